@@ -14,7 +14,7 @@ use std::ops::Range;
 
 use crate::IdentError;
 use crate::rest::standing;
-use crate::zero_phase::LowPass;
+use crate::zero_phase::{LowPass, decimate};
 
 /// How a recording is conditioned and thinned.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -102,6 +102,9 @@ pub struct Conditioned {
     pub(crate) stride: usize,
     /// The stretches without a gap; one at least.
     pub(crate) pieces: Vec<Piece>,
+    /// Velocity with the time in which the axis stands still, where that was taken out: bristles
+    /// keep their deflection while it stands.
+    pub(crate) history: Option<Vec<f64>>,
 }
 
 /// A stretch of a conditioned recording.
@@ -111,6 +114,8 @@ pub(crate) struct Piece {
     pub stretch: usize,
     /// Its kept samples among all of them.
     pub kept: Range<usize>,
+    /// The same in the history, where there is one.
+    pub origin: Range<usize>,
     /// Time of its first recorded sample \[s\].
     pub start: f64,
 }
@@ -147,12 +152,14 @@ impl Conditioned {
                 let end = begin + same;
                 if !state && same >= shortest {
                     let from = kept.iter().map(ExactSizeIterator::len).sum::<usize>();
+                    let origin = piece.kept.start + begin..piece.kept.start + end;
                     pieces.push(Piece {
                         stretch: piece.stretch,
                         kept: from..from + same,
+                        origin: origin.clone(),
                         start: piece.start + begin as f64 * self.time_step,
                     });
-                    kept.push(piece.kept.start + begin..piece.kept.start + end);
+                    kept.push(origin);
                 }
                 begin = end;
             }
@@ -171,10 +178,71 @@ impl Conditioned {
             acceleration: of(&self.acceleration),
             force: of(&self.force),
             pieces,
+            history: Some(self.velocity),
             ..self
         };
         let seconds = out as f64 * moving.time_step;
         (moving, seconds)
+    }
+
+    /// The recording at a lower rate that still holds all of the motion, where the regression keeps
+    /// far fewer samples than there are: what is computed sample by sample, bristles above all, then
+    /// costs a fraction. Motion is beyond its low-pass, so that leaving samples out loses nothing;
+    /// the force goes through an anti-alias low-pass. As it was where there is nothing to gain.
+    ///
+    /// # Errors
+    /// Those of the low-pass.
+    pub fn coarsened(self) -> Result<Self, IdentError> {
+        let of_motion = self.stride / SAMPLES_A_STRIDE;
+        let factor = of_motion.min(self.decimate / SAMPLES_A_ROW);
+        let shortest = self.pieces.iter().map(|piece| piece.kept.len()).min().unwrap_or(0);
+        if factor < 2 || shortest <= THINNING_PADDING || self.history.is_some() {
+            return Ok(self);
+        }
+        let thin = |column: &[f64]| {
+            self.by_piece(column, |own| Ok(own.iter().copied().step_by(factor).collect()))
+        };
+        let force = self.by_piece(&self.force, |own| decimate(own, factor))?;
+        let position = self.position.as_deref().map(thin).transpose()?;
+        let (velocity, acceleration) = (thin(&self.velocity)?, thin(&self.acceleration)?);
+        let time_step = self.time_step * factor as f64;
+        let (mut pieces, mut from) = (Vec::with_capacity(self.pieces.len()), 0);
+        // The first sample stays where it is; counts of samples before it are others.
+        let first = (self.first as f64 / factor as f64).round() as usize;
+        let shift = self.first as f64 * self.time_step - first as f64 * time_step;
+        for piece in self.pieces {
+            let kept = from..from + piece.kept.len().div_ceil(factor);
+            from = kept.end;
+            let start = piece.start + shift;
+            pieces.push(Piece { kept: kept.clone(), origin: kept, start, ..piece });
+        }
+        Ok(Self {
+            time_step,
+            first,
+            position,
+            velocity,
+            acceleration,
+            force,
+            pieces,
+            decimate: (self.decimate as f64 / factor as f64).round() as usize,
+            stride: (self.stride / factor).max(1),
+            ..self
+        })
+    }
+
+    /// What the axis does, sample by sample: velocity, acceleration, way since the last reversal,
+    /// and position where it is known.
+    pub(crate) fn motion(&self) -> Vec<Vec<f64>> {
+        let mut since = 0.0;
+        let mut before = 0.0f64;
+        let way = self.velocity.iter().map(|&v| {
+            since = if v * before < 0.0 { 0.0 } else { since + v.abs() * self.time_step };
+            before = v;
+            since
+        });
+        let mut motion = vec![way.collect(), self.velocity.clone(), self.acceleration.clone()];
+        motion.extend(self.position.clone());
+        motion
     }
 
     /// A column made anew stretch by stretch, so that nothing reaches across a gap.
@@ -191,6 +259,10 @@ impl Conditioned {
     }
 }
 
+/// Samples that are left between two that rest is told by: four of a period of the cutoff.
+const SAMPLES_A_STRIDE: usize = 2;
+/// Samples that are left between two rows of the regression: a reversal is known to one of them.
+const SAMPLES_A_ROW: usize = 8;
 /// Thinned samples that motion between two rests must have to be of use.
 const LEAST_ROWS: usize = 8;
 /// One part in this many must be motion.
@@ -225,7 +297,8 @@ pub fn condition_stretches(
             continue;
         }
         let before = found.as_ref().map_or(0, |all| all.force.len());
-        let piece = Piece { stretch: i, kept: before..before + one.force.len(), start: *start };
+        let kept = before..before + one.force.len();
+        let piece = Piece { stretch: i, kept: kept.clone(), origin: kept, start: *start };
         let Some(all) = &mut found else {
             one.pieces = vec![piece];
             found = Some(one);
@@ -300,7 +373,8 @@ pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, I
         how.differences.of(&velocity, dt)
     };
     let kept = how.trim..n - how.trim;
-    let pieces = vec![Piece { stretch: 0, kept: 0..kept.len(), start: 0.0 }];
+    let all = 0..kept.len();
+    let pieces = vec![Piece { stretch: 0, kept: all.clone(), origin: all, start: 0.0 }];
     Ok(Conditioned {
         pieces,
         time_step: dt,
@@ -312,6 +386,7 @@ pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, I
         acceleration_floor: velocity_floor / dt,
         velocity_floor,
         decimate: how.decimate,
+        history: None,
         stride: ((0.5 / (dt * how.cutoff)).round() as usize).max(1),
     })
 }

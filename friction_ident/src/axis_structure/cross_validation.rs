@@ -12,13 +12,15 @@ use super::search::Search;
 use super::shape::PositionScale;
 use crate::IdentError;
 use crate::conditioning::Conditioned;
-use crate::statistics::Sample;
+use crate::statistics::{Sample, student_95_of};
 
 /// Rows on each side of a block that take no part in its fit: the length of the anti-alias
 /// low-pass's memory, in thinned samples.
 const GUARD: usize = 15;
 /// Blocks where the recording is long enough for them.
 const USUAL: usize = 8;
+/// Share of the best error by which another may be larger and still count as alike.
+const ALIKE: f64 = 0.1;
 /// The guard of a recording of so few rows: its strongest neighbours.
 const SHORTEST_GUARD: usize = 3;
 
@@ -145,7 +147,8 @@ pub fn choose(scores: &[CrossValidation]) -> Option<Choice> {
             let root = winner.force_power.sqrt() * (a.sqrt() + b.sqrt());
             let percent = |value: f64| if root > 0.0 { 100.0 * value / root } else { 0.0 };
             let (excess, excess_error) = (percent(a - b), percent(sum_error(&difference)));
-            let within = excess <= excess_error.min(winner.standard_error);
+            let chance = student_95_of((winner.blocks.len() - 1) as f64) * excess_error;
+            let within = excess <= chance.min(winner.standard_error).min(ALIKE * winner.relative_error);
             Ranked { index, excess, excess_error, within }
         })
         .collect();

@@ -16,6 +16,7 @@ use crate::estimate::{Doubt, Estimate, Estimates, Verdict};
 use crate::parameter_id::{ParameterId, Side};
 use crate::residual_whiteness::effective_share;
 use crate::rigid_axis::Prediction;
+use crate::robust_covariance::Course;
 
 /// A structure fitted to a recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -149,7 +150,9 @@ pub fn fit_structure(
     let share = effective_share(solution.residual.as_slice());
     let minimum = search.linearise(&best, &terms)?;
     let mut estimates = Estimates::linearised(&minimum, &names, share);
-    let rises = robust_errors(&minimum, &search.regressors.pieces(), &mut estimates);
+    let motion = search.regressors.motion(&best.shape);
+    let course = Course { pieces: &search.regressors.pieces(), motion: &motion };
+    let rises = robust_errors(&minimum, &course, &mut estimates);
     profile::intervals(&mut search, &best, &rises, &mut estimates);
     doubts::judge(&structure, &mut estimates);
     stability::judge(&mut search, &best, &mut estimates);

@@ -5,6 +5,8 @@
 //! are read after their anti-alias low-pass, which makes interpolation between samples exact to far
 //! below the noise, and lets a new delay cost no filtering.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::AxisStructure;
@@ -159,6 +161,12 @@ impl<'a> Regressors<'a> {
         self.read(&self.recording.velocity, self.advance(shape))
     }
 
+    /// What the axis does at each row.
+    pub fn motion(&self, shape: &Shape) -> Vec<Vec<f64>> {
+        let delay = self.advance(shape);
+        self.recording.motion().iter().map(|column| self.read(column, delay)).collect()
+    }
+
     /// A column on the kept rows, read `delay` samples later, never beyond its own stretch.
     fn read(&self, column: &[f64], delay: f64) -> Vec<f64> {
         let factor = self.recording.decimate;
@@ -256,17 +264,27 @@ impl<'a> Regressors<'a> {
         if !self.structure.presliding {
             return velocity.iter().map(|&v| sign(v)).collect();
         }
-        // The bristle of each stretch begins at its own end of the curve.
-        let along = |piece: &Piece| {
-            let own = velocity.get(piece.kept.clone()).unwrap_or_default();
-            let mut z = own.first().map_or(0.0, |&v| sign(v));
-            own.iter().map(move |&v: &f64| {
+        // The bristle of each stretch begins at its own end of the curve, and keeps its deflection
+        // while the axis stands.
+        let lived = self.recording.history.as_deref().unwrap_or(velocity);
+        let mut along = Vec::with_capacity(velocity.len());
+        let mut at: Option<(usize, usize, f64)> = None;
+        for piece in &self.recording.pieces {
+            let Range { start, end } = piece.origin;
+            let (from, mut z) = match at {
+                Some((stretch, done, z)) if stretch == piece.stretch => (done, z),
+                _ => (start, lived.get(start).map_or(0.0, |&v| sign(v))),
+            };
+            for (k, v) in lived.iter().enumerate().take(end).skip(from) {
                 let limit = v.signum();
                 z = limit + (z - limit) * (-v.abs() * time_step / displacement).exp();
-                z
-            })
-        };
-        self.recording.pieces.iter().flat_map(along).collect()
+                if k >= start {
+                    along.push(z);
+                }
+            }
+            at = Some((piece.stretch, end, z));
+        }
+        along
     }
 
     fn update_harmonic(&mut self, shape: &Shape) -> Result<(), IdentError> {

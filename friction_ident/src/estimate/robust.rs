@@ -2,14 +2,14 @@
 
 use super::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Verdict};
 use crate::bounded::Minimum;
-use crate::robust_covariance::robust_covariance;
+use crate::robust_covariance::{Course, robust_covariance};
 
 /// Replaces errors, covariance and intervals by those of [`robust_covariance`], and says how far
 /// the sum of squares may rise within the interval of each parameter. Estimates without such errors
 /// keep none, and are not identified.
 pub(crate) fn robust_errors(
     minimum: &Minimum,
-    pieces: &[usize],
+    course: &Course,
     estimates: &mut Estimates,
 ) -> Vec<f64> {
     // What changes nothing has no error, and would leave the others without one.
@@ -17,7 +17,7 @@ pub(crate) fn robust_errors(
     let free: Vec<usize> =
         (0..minimum.x.len()).filter(|&j| !minimum.held[j]).filter(acts).collect();
     let jacobian = minimum.jacobian.select_columns(&free);
-    let found = robust_covariance(&jacobian, minimum.residuals.as_slice(), pieces);
+    let found = robust_covariance(&jacobian, minimum.residuals.as_slice(), course);
     let white = estimates.residual_deviation.powi(2);
     let mut rises = vec![f64::INFINITY; minimum.x.len()];
     let mut least = f64::INFINITY;

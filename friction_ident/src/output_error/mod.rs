@@ -32,6 +32,7 @@ use crate::IdentError;
 use crate::axis_term::AxisTerm;
 use crate::bounded::{Ending, Minimum, Patience, Residuals, Step, minimise};
 use crate::estimate::{Estimates, robust_errors};
+use crate::robust_covariance::Course;
 use crate::free_parameters::FreeParameters;
 use crate::place::regressor;
 use crate::position_load::{self, LoadShape, PositionLoad};
@@ -226,7 +227,7 @@ pub fn fit_output_error(
     // Errors of white residuals are known better without; exact data leave nothing but rounding.
     let exact = minimum.sum <= EXACT * data.square();
     if share < WHITE && !exact && !data.stretches.is_empty() {
-        robust_errors(&minimum, &pieces, &mut estimates);
+        robust_errors(&minimum, &Course { pieces: &pieces, motion: &[] }, &mut estimates);
     }
     let rms = prediction_rms(&Predictor { model, load }, data);
     Ok(OutputErrorFit { model, load, estimates, rms, ending, settled, evaluations: problem.runs() })

@@ -23,7 +23,7 @@ use crate::IdentError;
 use crate::axis_term::AxisTerm;
 use crate::conditioning::{Conditioned, Piece};
 use crate::least_squares::{self, Degenerate};
-use crate::robust_covariance::{ErrorDoubt, RobustError, robust_covariance};
+use crate::robust_covariance::{Course, ErrorDoubt, RobustError, robust_covariance};
 use crate::statistics::root_mean_square;
 use crate::zero_phase::decimate;
 
@@ -268,8 +268,8 @@ pub fn fit_axis_freely(recording: &Conditioned, model: AxisModel) -> Result<Axis
     )?;
     let squares = solution.residual.norm_squared();
     let variance = squares / (samples - terms.len()) as f64;
-    let errors =
-        robust_covariance(&regression.matrix, solution.residual.as_slice(), &regression.pieces);
+    let course = Course { pieces: &regression.pieces, motion: &regression.motion };
+    let errors = robust_covariance(&regression.matrix, solution.residual.as_slice(), &course);
     let estimate = |(i, term)| {
         let error: Option<&RobustError> =
             errors.as_ref().and_then(|errors| errors.parameters.get(i));
@@ -298,6 +298,8 @@ struct Regression {
     force: DVector<f64>,
     /// Rows of each stretch.
     pieces: Vec<usize>,
+    /// What the axis does at each row.
+    motion: Vec<Vec<f64>>,
 }
 
 impl Regression {
@@ -333,7 +335,14 @@ impl Regression {
             matrix.set_column(j, &DVector::from_vec(thinned(&column)?));
         }
         let rows = |piece: &Piece| piece.kept.len().div_ceil(recording.decimate);
-        Ok(Self { matrix, force, pieces: recording.pieces.iter().map(rows).collect() })
+        let motion = recording.motion();
+        let motion = motion.iter().map(|column| {
+            recording.by_piece(column, |piece| {
+                Ok(piece.iter().copied().step_by(recording.decimate).collect())
+            })
+        });
+        let motion = motion.collect::<Result<_, _>>()?;
+        Ok(Self { matrix, force, pieces: recording.pieces.iter().map(rows).collect(), motion })
     }
 }
 

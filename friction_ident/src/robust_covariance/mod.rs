@@ -17,6 +17,15 @@
 //! the residual of a fit is smaller than the error, and a parameter that a few reversals determine
 //! has fewer degrees of freedom than `B`. Both are computed as if the residual were white.
 //!
+//! What the model lacks repeats with the motion: along a periodic trajectory it cancels in time, and
+//! the error in time says only that the same trajectory would give the same numbers again. So the
+//! score is looked at in the order of each quantity of the motion too ([`Course::motion`]: velocity,
+//! acceleration, position, way since the last reversal). White noise has the same variance in every
+//! order; a residual that goes with the quantity is slow in its order, as a drift is in time. The
+//! widest interval counts. That treats what is missing as drawn at random by nature, as Kennedy and
+//! O'Hagan (2001, Journal of the Royal Statistical Society B 63, 425) do: the interval is one for
+//! the parameter of the axis, not for the one that this model would have along this trajectory.
+//!
 //! Where the slowest waves stand out of the others, the axis changed during the recording. The
 //! error is then taken from these waves alone, with their few degrees of freedom, and the parameter
 //! has a doubt.
@@ -44,6 +53,11 @@ const DEGREES: f64 = 2.5;
 const LACKING: f64 = 4.0;
 /// Slowest waves, in which a drift shows.
 const SLOW: usize = 2;
+/// Waves over the range of a quantity of the motion. Few, because what a model lacks is smooth there
+/// and would be diluted by more.
+const ALONG_MOTION: usize = 6;
+/// Factor by which the fit may have taken these away: it follows the motion itself.
+const TAKEN_AWAY: f64 = 10.0;
 
 /// Why a standard error is not to be trusted.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, thiserror::Error)]
@@ -105,30 +119,40 @@ pub struct RobustCovariance {
     pub covariance: DMatrix<f64>,
 }
 
+/// How the rows of a fit follow one another.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Course<'a> {
+    /// Lengths of the stretches without a gap, in the order of time; beyond their sum rows count as
+    /// another piece.
+    pub pieces: &'a [usize],
+    /// Quantities of the motion, one value a row: what the model does not have repeats with them.
+    pub motion: &'a [Vec<f64>],
+}
+
 /// Errors of the parameters of a least-squares fit at its minimum.
 ///
 /// `jacobian` has a row a sample in the order of time and a column a free parameter (leave out what
-/// a bound holds); its sign does not matter. `residuals` are those of the fit. `pieces` are the
-/// lengths of the stretches without a gap, in order; one for a recording without gaps. Beyond their
-/// sum rows count as another piece.
+/// a bound holds); its sign does not matter. `residuals` are those of the fit.
 ///
 /// None where columns depend on one another, something is not finite, or there are fewer than four
 /// rows a column.
 ///
 /// ```
-/// use friction_ident::robust_covariance::robust_covariance;
+/// use friction_ident::robust_covariance::{Course, robust_covariance};
 /// use nalgebra::DMatrix;
 ///
 /// // The mean of an alternating residual is as sure as white noise, or surer.
 /// let residuals: Vec<f64> = (0..200).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
-/// let found = robust_covariance(&DMatrix::from_element(200, 1, 1.0), &residuals, &[200]).unwrap();
+/// let course = Course { pieces: &[200], motion: &[] };
+/// let found = robust_covariance(&DMatrix::from_element(200, 1, 1.0), &residuals, &course).unwrap();
 /// assert!(found.parameters[0].standard_error < 1.0 / 200f64.sqrt());
 /// ```
 pub fn robust_covariance(
     jacobian: &DMatrix<f64>,
     residuals: &[f64],
-    pieces: &[usize],
+    course: &Course,
 ) -> Option<RobustCovariance> {
+    let pieces = course.pieces;
     let (rows, columns) = jacobian.shape();
     if columns == 0 || rows != residuals.len() || rows < 4 * columns {
         return None;
@@ -150,6 +174,17 @@ pub fn robust_covariance(
     let mut parameters = Vec::with_capacity(columns);
     for j in 0..columns {
         parameters.push(fit.error(j, residuals, pieces));
+    }
+    for quantity in course.motion {
+        let order = order_of(quantity, rows);
+        let sorted = |matrix: &DMatrix<f64>| matrix.select_rows(&order);
+        let (scaled, weights) = (sorted(&scaled), sorted(&weights));
+        let residuals: Vec<f64> = order.iter().map(|&row| residuals[row]).collect();
+        let waves = cosines(rows, ALONG_MOTION);
+        let fit = Fit { scaled: &scaled, inverse: &inverse, weights: &weights, waves: &waves };
+        for (j, parameter) in parameters.iter_mut().enumerate() {
+            fit.repeats(j, &residuals, parameter);
+        }
     }
     // Correlations from all waves, errors from those that suit each parameter.
     let mut scores = weights.clone();
@@ -186,6 +221,14 @@ fn cosines(rows: usize, count: usize) -> DMatrix<f64> {
     })
 }
 
+/// The rows in the order of a quantity.
+fn order_of(quantity: &[f64], rows: usize) -> Vec<usize> {
+    let of = |row: usize| quantity.get(row).copied().unwrap_or(f64::INFINITY);
+    let mut order: Vec<usize> = (0..rows).collect();
+    order.sort_by(|&a, &b| of(a).total_cmp(&of(b)));
+    order
+}
+
 struct Fit<'a> {
     scaled: &'a DMatrix<f64>,
     inverse: &'a DMatrix<f64>,
@@ -193,42 +236,90 @@ struct Fit<'a> {
     waves: &'a DMatrix<f64>,
 }
 
+/// The waves of one parameter's score.
+struct Waves {
+    coefficients: Vec<f64>,
+    /// Covariance of the coefficients for a white residual of size one, the fit counted.
+    white: DMatrix<f64>,
+    /// What each coefficient's variance would be without the fit.
+    power: f64,
+}
+
+/// A variance from some waves.
+struct OfWaves {
+    variance: f64,
+    degrees: f64,
+    /// Factor by which the fit made the waves too small.
+    lacks: f64,
+}
+
+impl Waves {
+    /// Of the first `count` waves alone.
+    fn first(&self, count: usize) -> OfWaves {
+        let block = self.white.view((0, 0), (count, count));
+        let trace = block.trace();
+        if trace <= 0.0 {
+            return OfWaves { variance: f64::INFINITY, degrees: 0.0, lacks: f64::INFINITY };
+        }
+        let lacks = (self.power * count as f64 / trace).max(1.0);
+        OfWaves {
+            variance: mean_square(&self.coefficients[..count]) * lacks,
+            degrees: trace * trace / block.norm_squared(),
+            lacks,
+        }
+    }
+}
+
+fn mean_square(of: &[f64]) -> f64 {
+    of.iter().map(|c| c * c).sum::<f64>() / of.len().max(1) as f64
+}
+
 impl Fit<'_> {
-    fn error(&self, j: usize, residuals: &[f64], pieces: &[usize]) -> RobustError {
+    fn waves(&self, j: usize, residuals: &[f64], count: usize) -> Waves {
         let weight = self.weights.column(j);
-        let score: Vec<f64> = weight.iter().zip(residuals).map(|(w, r)| w * r).collect();
-        let stretches = score.len() as f64 * effective_share_of(&score, pieces);
-        let count = most_waves(stretches).min(self.waves.ncols());
         // Row b: how the residual enters the coefficient of wave b.
         let mut entering = self.waves.columns(0, count).clone_owned();
         for (mut row, w) in entering.row_iter_mut().zip(weight.iter()) {
             row *= *w;
         }
-        let coefficients: Vec<f64> = entering
+        let coefficients = entering
             .column_iter()
             .map(|column| column.iter().zip(residuals).map(|(c, r)| c * r).sum())
             .collect();
         let through = entering.tr_mul(self.scaled);
         let white = entering.tr_mul(&entering) - &through * self.inverse * through.transpose();
-        let power = weight.norm_squared();
-        let squares = |of: &[f64]| of.iter().map(|c| c * c).sum::<f64>() / of.len().max(1) as f64;
-        // Of the first waves alone: their mean square, what it lacks, and its degrees of freedom.
-        let of_first = |n: usize| {
-            let block = white.view((0, 0), (n, n));
-            let trace = block.trace();
-            let lacks =
-                if trace > 0.0 { (power * n as f64 / trace).max(1.0) } else { f64::INFINITY };
-            let degrees = if trace > 0.0 { trace * trace / block.norm_squared() } else { 0.0 };
-            (squares(&coefficients[..n]) * lacks, degrees, lacks)
-        };
-        let (mut variance, mut degrees, lacks) = of_first(count);
+        Waves { coefficients, white, power: weight.norm_squared() }
+    }
+
+    /// Widens an error to what the residual repeats in the order of the rows. Where the fit has
+    /// taken nearly all of that away, nothing is known.
+    fn repeats(&self, j: usize, residuals: &[f64], error: &mut RobustError) {
+        let OfWaves { variance, degrees, lacks } =
+            self.waves(j, residuals, self.waves.ncols()).first(self.waves.ncols());
+        if lacks > TAKEN_AWAY || degrees < 1.0 {
+            return;
+        }
+        let (standard_error, degrees_of_freedom) = (variance.sqrt(), degrees);
+        let wider = RobustError { standard_error, degrees_of_freedom, ..*error };
+        if standard_error > error.standard_error && wider.half_width() > error.half_width() {
+            *error = wider;
+        }
+    }
+
+    fn error(&self, j: usize, residuals: &[f64], pieces: &[usize]) -> RobustError {
+        let weight = self.weights.column(j);
+        let score: Vec<f64> = weight.iter().zip(residuals).map(|(w, r)| w * r).collect();
+        let stretches = score.len() as f64 * effective_share_of(&score, pieces);
+        let count = most_waves(stretches).min(self.waves.ncols());
+        let waves = self.waves(j, residuals, count);
+        let OfWaves { mut variance, mut degrees, lacks } = waves.first(count);
         let mut doubt = None;
-        let (slow, rest) = coefficients.split_at(SLOW.min(count));
-        let ratio = squares(slow) / squares(rest);
-        let (of_slow, degrees_of_slow, _) = of_first(SLOW.min(count));
+        let (slow, rest) = waves.coefficients.split_at(SLOW.min(count));
+        let ratio = mean_square(slow) / mean_square(rest);
         if rest.len() >= SLOW && ratio > beyond_chance(rest.len()) {
             doubt = Some(ErrorDoubt::Drift { ratio });
-            (variance, degrees) = (variance.max(of_slow), degrees_of_slow);
+            let of_slow = waves.first(SLOW.min(count));
+            (variance, degrees) = (variance.max(of_slow.variance), of_slow.degrees);
         }
         if stretches < STRETCHES {
             doubt = Some(ErrorDoubt::FewStretches { found: stretches });

@@ -15,6 +15,10 @@ fn noise(rng: &mut rand_pcg::Pcg64Mcg, n: usize, colour: f64) -> Vec<f64> {
         .collect()
 }
 
+fn in_time(pieces: &[usize]) -> Course<'_> {
+    Course { pieces, motion: &[] }
+}
+
 /// Share of 95 % intervals that hold the truth, of each parameter: inertia, speed, its sign and an
 /// offset of a motion of two sines.
 fn coverage(n: usize, colour: f64, repetitions: u64) -> [f64; 4] {
@@ -35,7 +39,7 @@ fn coverage(n: usize, colour: f64, repetitions: u64) -> [f64; 4] {
         let truth = DVector::from_row_slice(&[30.0, 2.0, 1.0, -0.3]);
         let y = &rows * &truth + DVector::from_vec(noise(&mut rng, n, colour));
         let found = least_squares::solve(&rows, &y).ok().unwrap();
-        let errors = robust_covariance(&rows, found.residual.as_slice(), &[n]).unwrap();
+        let errors = robust_covariance(&rows, found.residual.as_slice(), &in_time(&[n])).unwrap();
         for (j, (error, inside)) in errors.parameters.iter().zip(&mut inside).enumerate() {
             if (found.x[j] - truth[j]).abs() <= error.half_width() {
                 *inside += 1.0 / repetitions as f64;
@@ -72,7 +76,7 @@ fn a_drift_is_told_and_widens_the_error() {
             .enumerate()
             .map(|(k, r)| r + drift * (k as f64 / n as f64 - 0.5))
             .collect();
-        robust_covariance(&rows, &residuals, &[n]).unwrap().parameters[0]
+        robust_covariance(&rows, &residuals, &in_time(&[n])).unwrap().parameters[0]
     };
     let steady = of(0.0, &mut rng);
     assert_eq!(steady.doubt, None);
@@ -91,7 +95,7 @@ fn one_event_is_no_evidence() {
     let n = 1000;
     let rows =
         DMatrix::from_fn(n, 2, |k, j| if j == 0 || (500..502).contains(&k) { 1.0 } else { 0.0 });
-    let errors = robust_covariance(&rows, &noise(&mut rng, n, 0.0), &[n]).unwrap();
+    let errors = robust_covariance(&rows, &noise(&mut rng, n, 0.0), &in_time(&[n])).unwrap();
     assert_eq!(errors.parameters[0].doubt, None);
     assert!(matches!(errors.parameters[1].doubt, Some(ErrorDoubt::OneEvent { .. })), "{errors:?}");
 }
@@ -104,14 +108,14 @@ fn a_residual_slower_than_the_recording_is_doubted() {
     let mut residuals = noise(&mut rng, n, 0.995);
     let mean = residuals.iter().sum::<f64>() / n as f64;
     residuals.iter_mut().for_each(|r| *r -= mean);
-    assert!(robust_covariance(&rows, &residuals, &[n]).unwrap().parameters[0].doubt.is_some());
+    assert!(robust_covariance(&rows, &residuals, &in_time(&[n])).unwrap().parameters[0].doubt.is_some());
 }
 
 #[test]
 fn what_cannot_be_computed_is_none() {
     let rows = DMatrix::from_element(100, 2, 1.0);
-    assert_eq!(robust_covariance(&rows, &[0.1; 99], &[99]), None);
-    assert_eq!(robust_covariance(&DMatrix::zeros(100, 1), &[0.1; 100], &[100]), None);
-    assert_eq!(robust_covariance(&rows, &[f64::NAN; 100], &[100]), None);
-    assert_eq!(robust_covariance(&rows.rows(0, 7).into_owned(), &[0.1; 7], &[7]), None);
+    assert_eq!(robust_covariance(&rows, &[0.1; 99], &in_time(&[99])), None);
+    assert_eq!(robust_covariance(&DMatrix::zeros(100, 1), &[0.1; 100], &in_time(&[100])), None);
+    assert_eq!(robust_covariance(&rows, &[f64::NAN; 100], &in_time(&[100])), None);
+    assert_eq!(robust_covariance(&rows.rows(0, 7).into_owned(), &[0.1; 7], &in_time(&[7])), None);
 }
