@@ -124,6 +124,16 @@ pub enum IdentError {
         /// The structure.
         structure: AxisStructure,
     },
+    /// A force that repeats along the axis repeats otherwise in another part of the recording.
+    #[error(
+        "both halves of the recording do not share one wave: its period is {low:.4} in one part and {high:.4} in another"
+    )]
+    OtherWaves {
+        /// The shortest period that a part asks for \[m or rad\].
+        low: f64,
+        /// The longest.
+        high: f64,
+    },
     /// A load depends on the position, which the recording lacks.
     #[error("a spring or gravity depends on the position, but the recording has none; record it")]
     NoPositionForLoad,

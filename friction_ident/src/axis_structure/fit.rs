@@ -63,6 +63,17 @@ impl StructureFit {
         })
     }
 
+    /// The periods \[m or rad\] that parts of the recording ask for, where they are not one and the
+    /// same wave.
+    pub fn other_waves(&self) -> Option<(f64, f64)> {
+        match self.estimates.get("period")?.verdict {
+            Verdict::NotIdentifiable { doubt: Doubt::Unsteady { low, high }, .. } => {
+                Some((low, high))
+            }
+            _ => None,
+        }
+    }
+
     /// What must be known to read the parameters right.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();

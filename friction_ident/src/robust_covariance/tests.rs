@@ -108,7 +108,9 @@ fn a_residual_slower_than_the_recording_is_doubted() {
     let mut residuals = noise(&mut rng, n, 0.995);
     let mean = residuals.iter().sum::<f64>() / n as f64;
     residuals.iter_mut().for_each(|r| *r -= mean);
-    assert!(robust_covariance(&rows, &residuals, &in_time(&[n])).unwrap().parameters[0].doubt.is_some());
+    assert!(
+        robust_covariance(&rows, &residuals, &in_time(&[n])).unwrap().parameters[0].doubt.is_some()
+    );
 }
 
 #[test]

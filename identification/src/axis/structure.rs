@@ -140,9 +140,10 @@ pub fn structured(
             break;
         }
     }
-    let Some(choice) = choose(&scores) else { return Ok(None) };
-    let Some(chosen) = scores.get(choice.chosen) else { return Ok(None) };
-    let mut fit = fit_structure(estimation, chosen.structure, units(axis))?;
+    let Some((choice, mut fit)) = chosen(estimation, &mut scores, &mut refused, units(axis))?
+    else {
+        return Ok(None);
+    };
     let rivals: Vec<AxisStructure> = choice
         .rivals()
         .filter_map(|rival| scores.get(rival))
@@ -152,6 +153,38 @@ pub fn structured(
     let here = fit.predict(estimation)?;
     let there = validation.map(|other| fit.predict(other)).transpose()?;
     Ok(Some(Structured { scores, refused, choice, fit, estimation: here, validation: there }))
+}
+
+/// The structure that is chosen, with its fit. One with a wave that both halves of the recording do
+/// not share describes this recording and not the axis: such structures are refused, and the choice
+/// is made among the others.
+fn chosen(
+    estimation: &Conditioned,
+    scores: &mut Vec<CrossValidation>,
+    refused: &mut Vec<(AxisStructure, IdentError)>,
+    units: &AxisUnits,
+) -> Result<Option<(Choice, StructureFit)>, IdentError> {
+    loop {
+        let Some(choice) = choose(scores) else { return Ok(None) };
+        let Some(chosen) = scores.get(choice.chosen) else { return Ok(None) };
+        let structure = chosen.structure;
+        let fit = fit_structure(estimation, structure, units)?;
+        let others = scores.iter().any(|score| !score.structure.harmonic);
+        match fit.other_waves() {
+            Some((low, high)) if structure.harmonic && others => {
+                let mut waves = Vec::new();
+                scores.retain(|score| {
+                    if score.structure.harmonic {
+                        waves.push(score.structure);
+                    }
+                    !score.structure.harmonic
+                });
+                let why = |wave| (wave, IdentError::OtherWaves { low, high });
+                refused.extend(waves.into_iter().map(why));
+            }
+            _ => return Ok(Some((choice, fit))),
+        }
+    }
 }
 
 #[cfg(test)]
