@@ -102,42 +102,55 @@ fn truth(beside: Beside) -> Vec<f64> {
         .collect()
 }
 
-#[test]
-fn intervals_hold_the_truth_under_colour_and_model_error() {
+/// Both lengths of recording against one truth, which the long recordings tell.
+fn intervals_hold_the_truth(beside: Beside) {
     let text = std::env::var("FRICTION_COVERAGE").ok();
     let repetitions: u64 = text.and_then(|text| text.parse().ok()).unwrap_or(40);
-    for beside in [Beside::Colour(0.0), Beside::Colour(0.9), Beside::Ripple] {
-        let truth = truth(beside);
-        for seconds in [15.0, 60.0] {
-            let mut inside = vec![0.0; truth.len()];
-            let mut claimed = vec![0.0; truth.len()];
-            for seed in 0..repetitions {
-                let found = fitted(seed, seconds, beside);
-                for (j, (estimate, truth)) in found.parameters.iter().zip(&truth).enumerate() {
-                    if estimate.is_identified() {
-                        claimed[j] += 1.0;
-                        let holds = |estimate: &Estimate| {
-                            estimate.interval.is_some_and(|interval| interval.contains(*truth))
-                        };
-                        inside[j] += f64::from(u8::from(holds(estimate)));
-                    }
+    let truth = truth(beside);
+    for seconds in [15.0, 60.0] {
+        let mut inside = vec![0.0; truth.len()];
+        let mut claimed = vec![0.0; truth.len()];
+        for seed in 0..repetitions {
+            let found = fitted(seed, seconds, beside);
+            for (j, (estimate, truth)) in found.parameters.iter().zip(&truth).enumerate() {
+                if estimate.is_identified() {
+                    claimed[j] += 1.0;
+                    let holds = |estimate: &Estimate| {
+                        estimate.interval.is_some_and(|interval| interval.contains(*truth))
+                    };
+                    inside[j] += f64::from(u8::from(holds(estimate)));
                 }
             }
-            let shares: Vec<f64> = inside.iter().zip(&claimed).map(|(a, b)| a / b).collect();
-            println!("{beside:?} {seconds} s: {shares:.3?} of {claimed:.0?} identified");
-            // Four standard deviations of chance beside what each parameter reaches: the static
-            // level is what the few slowest samples say, and its errors are not normal.
-            let chance = |n: f64| 4.0 * (0.05 * 0.95 / n).sqrt();
-            let all = inside.iter().sum::<f64>() / claimed.iter().sum::<f64>();
-            let some = claimed.iter().sum::<f64>() / 5.0;
-            assert!(all > 0.92 - chance(some) && all < 0.99, "{beside:?} {seconds} s: {all}");
-            for (share, claimed) in shares.iter().zip(&claimed) {
-                let enough = *claimed >= 0.3 * repetitions as f64;
-                assert!(
-                    !enough || *share > 0.87 - chance(*claimed),
-                    "{beside:?} {seconds} s: {shares:?}"
-                );
-            }
+        }
+        let shares: Vec<f64> = inside.iter().zip(&claimed).map(|(a, b)| a / b).collect();
+        println!("{beside:?} {seconds} s: {shares:.3?} of {claimed:.0?} identified");
+        // Four standard deviations of chance beside what each parameter reaches: the static
+        // level is what the few slowest samples say, and its errors are not normal.
+        let chance = |n: f64| 4.0 * (0.05 * 0.95 / n).sqrt();
+        let all = inside.iter().sum::<f64>() / claimed.iter().sum::<f64>();
+        let some = claimed.iter().sum::<f64>() / 5.0;
+        assert!(all > 0.92 - chance(some) && all < 0.99, "{beside:?} {seconds} s: {all}");
+        for (share, claimed) in shares.iter().zip(&claimed) {
+            let enough = *claimed >= 0.3 * repetitions as f64;
+            assert!(
+                !enough || *share > 0.87 - chance(*claimed),
+                "{beside:?} {seconds} s: {shares:?}"
+            );
         }
     }
+}
+
+#[test]
+fn intervals_hold_the_truth_under_white_noise() {
+    intervals_hold_the_truth(Beside::Colour(0.0));
+}
+
+#[test]
+fn intervals_hold_the_truth_under_colour() {
+    intervals_hold_the_truth(Beside::Colour(0.9));
+}
+
+#[test]
+fn intervals_hold_the_truth_of_a_joint_with_a_ripple() {
+    intervals_hold_the_truth(Beside::Ripple);
 }
