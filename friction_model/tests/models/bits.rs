@@ -2,7 +2,7 @@
 //!
 //! Figures that were published with one version can be had from a later one. A change of a model
 //! that is meant shows here, and is written into the table by hand:
-//! `cargo test -p friction_model --test bits` prints the new row.
+//! `cargo test -p friction_model --test models bits` prints the new row.
 
 use friction_model::{AnyModel, FrictionModel, ModelName, ModelVisitor, Stepper, TimeStep, rk4};
 

@@ -1,8 +1,6 @@
 //! How large a friction force can get, model by model.
 
-mod arbitrary;
-
-use arbitrary::{config, model, model_of, period, velocities};
+use crate::arbitrary::{config, model, model_of, period, velocities};
 use friction_model::{AnyModel, AnyParameters, FrictionModel, ModelName, State, Stepper, TimeStep};
 use proptest::prelude::*;
 

@@ -1,8 +1,6 @@
 //! In numbers that carry derivatives every model gives the same friction, to the last bit, and the
 //! derivatives that differences of its friction give.
 
-mod arbitrary;
-
 use friction_model::{
     AnyModel, AnyParameters, Dual, FrictionModel, ModelName, ModelVisitor, Real, Stepper, TimeStep,
     Unit, VisitorIn,
@@ -161,11 +159,11 @@ fn check(model: AnyModel, dt: TimeStep, exact: bool) -> Result<f64, TestCaseErro
 }
 
 proptest! {
-    #![proptest_config(arbitrary::config())]
+    #![proptest_config(crate::arbitrary::config())]
 
     #[test]
     fn derivatives_are_those_of_differences(
-        model in arbitrary::any_model(), dt in arbitrary::period()
+        model in crate::arbitrary::any_model(), dt in crate::arbitrary::period()
     ) {
         // Where it only begins to be plastic, the step of this model divides by a rate near zero,
         // and its derivative loses digits. Its presets do not come so near.

@@ -1,8 +1,6 @@
 //! Error injection: an extra rate in the derivative of every continuous state, as a state observer
 //! needs it.
 
-mod arbitrary;
-
 use friction_model::{
     AnyModel, ContinuousState, Dahl, ElastoPlastic, FrictionModel, Gms, Leuven, LuGre, ModelName,
     Proposed, Stepper, TimeStep, Xiong,
@@ -175,11 +173,11 @@ fn equal_sides_take_the_injection_as_the_symmetric_model() {
 }
 
 proptest! {
-    #![proptest_config(arbitrary::config())]
+    #![proptest_config(crate::arbitrary::config())]
 
     #[test]
     fn no_rate_is_no_injection_and_no_rate_whatever_spoils_the_state(
-        model in arbitrary::any_model(),
+        model in crate::arbitrary::any_model(),
         motion in prop::collection::vec((-3.0..3.0f64, prop_oneof![
             -10.0..10.0f64,
             prop::sample::select(vec![f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300]),

@@ -1,9 +1,7 @@
 //! Hysteresis with non-local memory: what the reversal stack is, and what the models make of it in
 //! pre-sliding.
 
-mod arbitrary;
-
-use arbitrary::config;
+use crate::arbitrary::config;
 use friction_model::{
     AnyModel, FrictionModel, Hysteresis, ModelName, ModelVisitor, Proposed, State, VirginCurve, rk4,
 };

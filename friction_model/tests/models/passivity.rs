@@ -4,9 +4,7 @@
 //! then the work over a closed cycle is not negative. The inequality is checked pointwise, in the
 //! derivative form, at states that random motions lead to: no integrator's error blurs it.
 
-mod arbitrary;
-
-use arbitrary::{config, model, model_of, velocities};
+use crate::arbitrary::{config, model, model_of, velocities};
 use friction_model::{
     AnyModel, AnyParameters, ElastoPlastic, ElastoPlasticParameters, FrictionModel, Gms,
     GmsParameters, Leuven, LeuvenParameters, LuGre, LuGreParameters, ModelName, ModelVisitor,

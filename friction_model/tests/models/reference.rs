@@ -52,25 +52,25 @@ fn test_bed_velocity(t: f64) -> f64 {
 
 #[test]
 fn lugre_follows_the_reference() {
-    let reference = column(include_str!("reference/ref_ch3.csv"), "LuGre");
+    let reference = column(include_str!("../reference/ref_ch3.csv"), "LuGre");
     assert!(largest_difference(&LuGre::chapter_3(), chapter_3_velocity, &reference, 1000) < 1e-6);
-    let reference = column(include_str!("reference/ref_testbed.csv"), "LuGre");
+    let reference = column(include_str!("../reference/ref_testbed.csv"), "LuGre");
     assert!(largest_difference(&LuGre::test_bed(), test_bed_velocity, &reference, 1000) < 1e-6);
 }
 
 #[test]
 fn proposed_follows_the_reference() {
-    let reference = column(include_str!("reference/ref_ch3.csv"), "Proposed");
+    let reference = column(include_str!("../reference/ref_ch3.csv"), "Proposed");
     assert!(
         largest_difference(&Proposed::chapter_3(), chapter_3_velocity, &reference, 1000) < 1e-6
     );
-    let reference = column(include_str!("reference/ref_testbed.csv"), "Proposed");
+    let reference = column(include_str!("../reference/ref_testbed.csv"), "Proposed");
     assert!(largest_difference(&Proposed::test_bed(), test_bed_velocity, &reference, 1000) < 1e-6);
 }
 
 #[test]
 fn elasto_plastic_follows_the_reference() {
-    let reference = column(include_str!("reference/ref_ch3.csv"), "EP");
+    let reference = column(include_str!("../reference/ref_ch3.csv"), "EP");
     assert!(
         largest_difference(&ElastoPlastic::chapter_3(), chapter_3_velocity, &reference, 1000)
             < 1e-6
@@ -81,27 +81,27 @@ fn elasto_plastic_follows_the_reference() {
 /// there.
 #[test]
 fn gms_follows_the_reference() {
-    let reference = column(include_str!("reference/ref_ch3.csv"), "GMS10");
+    let reference = column(include_str!("../reference/ref_ch3.csv"), "GMS10");
     let difference = largest_difference(&Gms::chapter_3(), chapter_3_velocity, &reference, 2000);
     assert!(difference < 1e-4, "{difference} N");
-    let reference = column(include_str!("reference/ref_testbed.csv"), "GMS");
+    let reference = column(include_str!("../reference/ref_testbed.csv"), "GMS");
     let difference = largest_difference(&Gms::test_bed(), test_bed_velocity, &reference, 1000);
     assert!(difference < 1e-4, "{difference} N m");
 }
 
 #[test]
 fn xiong_follows_the_reference() {
-    let reference = column(include_str!("reference/ref_ch3.csv"), "Xiong10");
+    let reference = column(include_str!("../reference/ref_ch3.csv"), "Xiong10");
     let difference = largest_difference(&Xiong::chapter_3(), chapter_3_velocity, &reference, 1000);
     assert!(difference < 1e-6, "{difference} N");
-    let reference = column(include_str!("reference/ref_testbed.csv"), "Xiong");
+    let reference = column(include_str!("../reference/ref_testbed.csv"), "Xiong");
     let difference = largest_difference(&Xiong::test_bed(), test_bed_velocity, &reference, 1000);
     assert!(difference < 1e-6, "{difference} N m");
 }
 
 #[test]
 fn the_hysteresis_follows_the_reference() {
-    let text = include_str!("reference/ref_hyst.csv");
+    let text = include_str!("../reference/ref_hyst.csv");
     let (z, expected) = (column(text, "z_over_Zb"), column(text, "F_over_Fs"));
     let model = Proposed::test_bed();
     let p = model.parameters();
@@ -116,7 +116,7 @@ fn the_hysteresis_follows_the_reference() {
 /// What the 1 kHz observer gives away against the exact trajectory, and that it is of first order
 /// in the period.
 fn fixed_step_error<M: FrictionModel>(model: M, column_name: &str, dt: f64) -> f64 {
-    let reference = column(include_str!("reference/ref_testbed.csv"), column_name);
+    let reference = column(include_str!("../reference/ref_testbed.csv"), column_name);
     let steps = (0.01 / dt).round() as usize;
     let mut stepper = Stepper::new(model, TimeStep::new(dt).unwrap());
     let mut worst = 0.0f64;

@@ -1,9 +1,7 @@
 //! Whatever a sensor says and however coarse the period: a model keeps its numbers, its symmetry
 //! and its reproducibility.
 
-mod arbitrary;
-
-use arbitrary::{any_model, config, odd_model, period, velocities};
+use crate::arbitrary::{any_model, config, odd_model, period, velocities};
 use friction_model::{AnyModel, ModelName, TimeStep};
 use proptest::prelude::*;
 
@@ -31,7 +29,7 @@ proptest! {
     /// An asymmetric contact seen from the other side is the one with its directions exchanged.
     #[test]
     fn exchanging_directions_mirrors_the_force(
-        (forward, backward) in odd_model().prop_flat_map(|one| (Just(one), arbitrary::model(one.name()))),
+        (forward, backward) in odd_model().prop_flat_map(|one| (Just(one), crate::arbitrary::model(one.name()))),
         dt in period(), path in velocities(),
     ) {
         let mut there = AnyModel::asymmetric(&forward, &backward).unwrap().start(dt);

@@ -1,6 +1,6 @@
 //! What each way to step a model once a period is worth: the error along one motion against the
-//! same model stepped sixty times as often, for every model with states. The table in the
-//! book is held to it; `UPDATE_DOCS=1 cargo test -p friction_model --test schemes` writes it.
+//! same model stepped sixty times as often, for every model with states. The table in the book is
+//! held to it; `UPDATE_DOCS=1 cargo test -p friction_model --test models schemes` writes it.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;

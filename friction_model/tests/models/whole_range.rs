@@ -1,9 +1,7 @@
 //! Whatever parameters a model accepts, however far apart: at any period and any velocity its
 //! numbers stay finite, and what it would lose them with is refused when it is built.
 
-mod arbitrary;
-
-use arbitrary::config;
+use crate::arbitrary::config;
 use friction_model::{AnyModel, AnyParameters, FrictionModel, ModelName, ModelVisitor};
 use friction_model::{Scheme, Stepper, TimeStep};
 use proptest::prelude::*;

@@ -1,5 +1,4 @@
 //! Random parameter sets, motions and periods for the property tests.
-#![allow(dead_code, reason = "each test file uses its part")]
 
 use friction_model::{AnyModel, AnyParameters, ModelName, TimeStep};
 use proptest::prelude::*;
