@@ -2,7 +2,7 @@
 
 use std::io::Write;
 use std::process::{Command, Stdio};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde_json::Value;
 
@@ -18,6 +18,14 @@ pub fn namespaced() -> Command {
     let mut command = Command::new("unshare");
     command.args(flags).args(["bash", "-c", machine::LOOPBACK_ONLY, "--"]);
     command
+}
+
+/// The turn of a session: six nodes at 1 kHz are enough for one machine, so that one session comes
+/// after the other. It ends where this is dropped.
+#[must_use]
+pub fn turn() -> MutexGuard<'static, ()> {
+    static TURN: Mutex<()> = Mutex::new(());
+    TURN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Runs a script of `tests/python/` with the real rclpy in a namespace of its own, and reads the
@@ -40,9 +48,7 @@ pub fn session_at(
     script: &str,
     arguments: &[&str],
 ) -> Value {
-    // Six nodes at 1 kHz are enough for one machine: one session after the other.
-    static TURN: Mutex<()> = Mutex::new(());
-    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let _turn = turn();
     let python = python::interpreter_of(distribution);
     let mut command = place.command();
     command.arg(&python).arg(python::script(script)).arg(crate::node_programs()).args(arguments);

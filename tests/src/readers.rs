@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::network::{ORDINARY_MTU, report, two_machines};
+use crate::network::{ORDINARY_MTU, report, turn, two_machines};
 
 use crate::python;
 
@@ -22,6 +22,7 @@ pub struct LoopAndReaders<'a> {
 /// # Panics
 /// When two machines or rclpy cannot be had, or the session fails; the message carries what it said.
 pub fn beside_readers(what: &LoopAndReaders<'_>) -> Value {
+    let _turn = turn();
     let python = python::interpreter("rclpy");
     let mut command = two_machines(ORDINARY_MTU);
     command.arg(&python).arg(python::script("frozen_session.py")).arg(crate::node_programs());

@@ -8,7 +8,7 @@ use msgs::topics::{EXPERIMENT_STATUS, Qos};
 use ros_node::{Discovery, Participant};
 use serde_json::{Value, json};
 use tests::{
-    network::{namespaced, report},
+    network::{namespaced, report, turn},
     python::{interpreter, script},
 };
 
@@ -44,8 +44,9 @@ fn a_late_joiner_is_sent_the_last_messages_and_no_older_ones() {
     let (python, mut command) = (interpreter("rclpy"), namespaced());
     command.arg(&python).arg(script("latched_session.py"));
     command.arg(std::env::current_exe().expect("a running test knows its own file"));
-    command.args(["--ignored", "--exact", "publishes_as_told", "--nocapture"]);
+    command.args(["--ignored", "--exact", "latched_rclpy::publishes_as_told", "--nocapture"]);
     command.env("ROS_DOMAIN_ID", "79").env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST");
+    let _turn = turn();
     let (report, told) = report(command);
     assert_eq!(report["code"], 0, "{told}");
     for count in [1, 5, 100] {

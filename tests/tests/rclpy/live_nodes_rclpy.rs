@@ -21,6 +21,7 @@ fn text(value: &Value) -> &str {
 /// What the session `script` in `folder` reports.
 fn session(script: &str, folder: &Path) -> Value {
     let python = python::interpreter("rclpy");
+    let _turn = tests::network::turn();
     let mut command = Place::OnePc.command();
     let output = command
         .arg(&python)

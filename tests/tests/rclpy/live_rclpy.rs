@@ -55,6 +55,7 @@ fn assert_same(topic: &str, received: &[(u64, Vec<u64>)], recorded: &HashMap<u64
 #[test]
 fn rclpy_receives_what_the_bag_holds() {
     let python = python::interpreter("rclpy");
+    let _turn = tests::network::turn();
     let mut command = namespaced();
     let folder = tempfile::tempdir().expect("a folder");
     let (result, out) = (folder.path().join("received.json"), folder.path().join("run"));

@@ -21,6 +21,7 @@ fn bag(result: &Value) -> BagReader {
 
 fn session(place: Place) -> (tempfile::TempDir, Value) {
     let python = python::interpreter("rclpy");
+    let _turn = tests::network::turn();
     let mut command = place.command();
     let folder = tempfile::tempdir().expect("a folder");
     let (result, runs) = (folder.path().join("report.json"), folder.path().join("runs"));
