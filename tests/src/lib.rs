@@ -41,6 +41,15 @@ pub fn rig_emulator() -> Command {
     program(&PROGRAM, "RIG_EMULATOR_BIN", "rig_emulator", "rig_emulator")
 }
 
+/// The built `xtask`, found as [`frictionlab`] is; `$XTASK_BIN` names it.
+///
+/// # Panics
+/// As [`frictionlab`].
+pub fn xtask() -> Command {
+    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+    program(&PROGRAM, "XTASK_BIN", "xtask", "xtask")
+}
+
 /// The folder with the built programs of the nodes, `rig_driver`, `friction_observer` and
 /// `controller`; found as [`frictionlab`] is, or `$FRICTION_NODES` where that is set.
 ///

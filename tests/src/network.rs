@@ -22,7 +22,6 @@ pub fn namespaced() -> Command {
 
 /// The turn of a session: six nodes at 1 kHz are enough for one machine, so that one session comes
 /// after the other. It ends where this is dropped.
-#[must_use]
 pub fn turn() -> MutexGuard<'static, ()> {
     static TURN: Mutex<()> = Mutex::new(());
     TURN.lock().unwrap_or_else(PoisonError::into_inner)

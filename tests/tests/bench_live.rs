@@ -1,18 +1,14 @@
 //! The short form of `cargo xtask bench-live`: both loops run and are compared. What comes out is
 //! not judged here.
 
-use std::process::Command;
-
 #[test]
 fn the_bench_of_the_live_loop_prints_a_ratio_for_each_block() {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output = Command::new(cargo)
-        .args(["run", "--quiet", "--locked", "--package", "xtask", "--"])
+    let output = tests::xtask()
         .args(["bench-live", "--blocks", "2", "--seconds", "2", "--report-only", "--program"])
         .arg(tests::frictionlab().get_program())
         .current_dir(tests::checkout())
         .output()
-        .expect("cargo starts");
+        .expect("it starts");
     let (told, said) =
         (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     if said.contains("too busy to measure") {

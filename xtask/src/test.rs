@@ -67,6 +67,7 @@ impl Test {
                 .context("the target folder's path must be text")
         };
         let (program, emulator) = (built("frictionlab")?, built("rig_emulator")?);
+        let xtask = built("xtask")?;
         let nodes = target.join("debug").into_os_string().into_string().ok();
         let nodes = nodes.context("the target folder's path must be text")?;
         let state = target.join("state").into_os_string().into_string().ok();
@@ -80,6 +81,7 @@ impl Test {
             ("FRICTION_NODES", nodes.as_str()),
             ("FRICTIONLAB_BIN", program.as_str()),
             ("RIG_EMULATOR_BIN", emulator.as_str()),
+            ("XTASK_BIN", xtask.as_str()),
             ("PROPTEST_CASES", cases),
             // Temperatures of emulated motors are of no use after the test.
             ("XDG_STATE_HOME", state.as_str()),
