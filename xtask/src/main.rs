@@ -10,6 +10,7 @@ mod bench_simulate;
 mod bench_step;
 mod book;
 mod distribution;
+mod lanes;
 mod python_env;
 mod soak;
 mod strangers;

@@ -28,6 +28,15 @@ impl Tally {
         Ok(())
     }
 
+    /// Adds what was counted apart.
+    pub fn add(&mut self, other: Self) {
+        self.passed += other.passed;
+        self.failed += other.failed;
+        for (reason, times) in other.ignored {
+            *self.ignored.entry(reason).or_default() += times;
+        }
+    }
+
     fn count(&mut self, line: &str) {
         if let Some(counts) = line.strip_prefix("test result: ") {
             let of = |what: &str| {

@@ -10,11 +10,16 @@ use anyhow::{Context, ensure};
 use machine::Need;
 
 use crate::distribution::Distribution;
+use crate::lanes;
 use crate::python_env;
 use crate::tally::Tally;
 
 /// Random cases a property test runs through: in the short tier, and in the full one.
 const CASES: [(&str, &str); 2] = [("short", "2000"), ("full", "50000")];
+
+/// Examples that a test starts as programs (`ros_node/tests/examples.rs`). The others are not linked
+/// here: whether they compile, Clippy says.
+const RUN_EXAMPLES: [&str; 3] = ["talker_listener", "service", "managed"];
 
 /// Arguments of `cargo xtask test`.
 #[derive(Debug, clap::Args)]
@@ -53,9 +58,11 @@ impl Test {
         expected.extend([Need::Rclpy, Need::BagTools, Need::Colcon, Need::Cyclone]);
         expected.extend(self.full.then_some(Need::Jazzy));
         machine::write_down(&target, &expected)?;
+        let examples = RUN_EXAMPLES.map(|name| ["--example", name]).concat();
         thread::scope(|scope| {
             scope.spawn(|| prepare_python(self.full));
-            cargo(root, &["build", "--workspace", "--bins", "--tests", "--locked"], long)
+            let all = ["build", "--workspace", "--bins", "--tests", "--locked"];
+            cargo(root, &[&all[..], &examples].concat(), long)
         })?;
         machine::write_down(&target, &machine::look(&target))?;
         let built = |name: &str| {
@@ -92,7 +99,7 @@ impl Test {
         }
         let mut tally = Tally::default();
         let all = ["test", "--workspace", "--locked", "--no-fail-fast"];
-        counted(root, &all, &environment, &mut tally)?;
+        lanes::run(root, &environment, &all, &mut tally)?;
         if self.full {
             let seeds = [
                 "run",
