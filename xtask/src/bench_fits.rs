@@ -1,9 +1,11 @@
 //! `cargo xtask bench-fits`: are the fits faster than SciPy's least squares over models that Numba
-//! compiled?
+//! compiled, and the servo's simulation faster than its loop in Numba?
 //!
 //! Both sides read the same files, start from the same values, stop at the same tolerance and use
 //! one thread. They run in turns; what counts is the ratio of the medians. Both must find the same
-//! minimum: a fit that stops early would be fast too.
+//! minimum: a fit that stops early would be fast too. A search for a servo's parameters does nothing
+//! but simulate, so there the same candidates are simulated on the same logs, and both must find the
+//! same errors.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -11,6 +13,7 @@ use std::process::Command;
 use std::{env, fs};
 
 use anyhow::{Context, Result, ensure};
+use friction_ident::servo::FrictionLevel;
 use friction_ident::statistics::upper_median;
 use serde::Deserialize;
 
@@ -29,6 +32,9 @@ pub struct BenchFits {
     /// Least accepted ratio where SciPy is given our own scheme, the cheapest there is.
     #[arg(long, default_value_t = 5.0)]
     bar_same_scheme: f64,
+    /// Least accepted ratio for a servo's simulation.
+    #[arg(long, default_value_t = 8.0)]
+    bar_servo: f64,
 }
 
 /// One fit as both programs report it.
@@ -37,6 +43,7 @@ struct Fit {
     what: String,
     milliseconds: Vec<f64>,
     evaluations: usize,
+    /// Mean square; of a servo's level the mean position error \[rad\].
     mse: f64,
     parameters: BTreeMap<String, f64>,
 }
@@ -75,41 +82,43 @@ impl BenchFits {
             .map_or_else(|| root.join("target"), |dir| root.join(dir));
         let python = python_env::scipy()?;
         let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        let build =
-            ["build", "--release", "--locked", "-p", "friction_ident", "--example", "fit_speed"];
+        let build = ["build", "--release", "--locked", "-p", "friction_ident"];
+        let examples = ["fit_speed", "servo_speed"];
+        let named = examples.iter().flat_map(|name| ["--example", name]);
         ensure!(
-            Command::new(cargo).args(build).current_dir(root).status()?.success(),
+            Command::new(cargo).args(build).args(named).current_dir(root).status()?.success(),
             "the fits do not build"
         );
-        let ours = target.join("release/examples/fit_speed");
+        let [ours, servo] = examples.map(|name| target.join("release/examples").join(name));
         let folder = target.join("bench-fits");
         if folder.exists() {
             fs::remove_dir_all(&folder)?;
         }
 
-        let mut all: BTreeMap<(bool, String), Fit> = BTreeMap::new();
+        let folder = folder.to_string_lossy().into_owned();
+        let peer = |script: &str| {
+            let mut command = Command::new(&python);
+            command.arg(root.join("tests/peers").join(script)).args([&folder, "5"]);
+            // One thread each: on two cores the threads of its linear algebra wait for one another.
+            command.envs(["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"].map(|name| (name, "1")));
+            command
+        };
+        let (mut all, mut levels) = (Fits::new(), Fits::new());
         for turn in 1..=self.turns {
             eprintln!("turn {turn} of {} ...", self.turns);
-            let script = root.join("tests/peers/scipy_fits.py");
-            let folder = folder.to_string_lossy().into_owned();
-            let mut rust = Command::new(&ours);
-            let mut scipy = Command::new(&python);
-            // One thread each: on two cores the threads of its linear algebra wait for one another.
-            scipy.envs(["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"].map(|name| (name, "1")));
-            for (peer, command) in
-                [(false, rust.args([&folder, "5"])), (true, scipy.arg(script).args([&folder, "5"]))]
-            {
-                for fit in fits(command)? {
-                    all.entry((peer, fit.what.clone()))
-                        .and_modify(|seen| seen.milliseconds.extend(&fit.milliseconds))
-                        .or_insert(fit);
-                }
-            }
+            collect(&mut all, false, Command::new(&ours).args([&folder, "5"]))?;
+            collect(&mut all, true, &mut peer("scipy_fits.py"))?;
+            collect(&mut levels, false, Command::new(&servo).args([&folder, "5"]))?;
+            collect(&mut levels, true, &mut peer("servo_fits.py"))?;
         }
-        self.table(&all)
+        let mut slow = self.table(&all)?;
+        slow.extend(self.servo_table(&levels)?);
+        ensure!(slow.is_empty(), "{}", slow.join("; "));
+        Ok(())
     }
 
-    fn table(&self, all: &BTreeMap<(bool, String), Fit>) -> Result<()> {
+    /// Prints the table of the fits; gives the ratios that are below their bars.
+    fn table(&self, all: &Fits) -> Result<Vec<String>> {
         println!(
             "| fit | points | ours [ms] | SciPy and Numba [ms] | times faster | simulations, ours / SciPy |"
         );
@@ -146,9 +155,56 @@ impl BenchFits {
                 slow.push(format!("{peer}: {ratio:.1} times faster, but {bar} are expected"));
             }
         }
-        ensure!(slow.is_empty(), "{}", slow.join("; "));
-        Ok(())
+        Ok(slow)
     }
+
+    /// Prints the table of the servo's simulation; gives the ratios that are below the bar.
+    fn servo_table(&self, all: &Fits) -> Result<Vec<String>> {
+        println!(
+            "\n| servo, level | ours [ms] | Numba [ms] | times faster | simulations of twelve logs a second, ours / Numba |"
+        );
+        println!("|---|---|---|---|---|");
+        let mut slow = Vec::new();
+        for level in FrictionLevel::NAMES {
+            let find = |peer: bool| {
+                all.get(&(peer, (*level).to_owned())).with_context(|| format!("no level {level}"))
+            };
+            let (ours, theirs) = (find(false)?, find(true)?);
+            let (mine, others) = (median(&ours.milliseconds), median(&theirs.milliseconds));
+            let rate = |fit: &Fit, milliseconds: f64| 1e3 * fit.evaluations as f64 / milliseconds;
+            let ratio = others / mine;
+            println!(
+                "| {level} | {mine:.2} | {others:.1} | {ratio:.1} | {:.0} / {:.0} |",
+                rate(ours, mine),
+                rate(theirs, others)
+            );
+            ensure!(
+                (ours.mse / theirs.mse - 1.0).abs() < 1e-9,
+                "{level}: the mean position errors {:e} and {:e} rad differ",
+                ours.mse,
+                theirs.mse
+            );
+            if ratio < self.bar_servo {
+                let bar = self.bar_servo;
+                slow.push(format!(
+                    "servo, {level}: {ratio:.1} times faster, but {bar} are expected"
+                ));
+            }
+        }
+        Ok(slow)
+    }
+}
+
+/// What both programs say: the peer or not, which fit.
+type Fits = BTreeMap<(bool, String), Fit>;
+
+fn collect(all: &mut Fits, peer: bool, command: &mut Command) -> Result<()> {
+    for fit in fits(command)? {
+        all.entry((peer, fit.what.clone()))
+            .and_modify(|seen| seen.milliseconds.extend(&fit.milliseconds))
+            .or_insert(fit);
+    }
+    Ok(())
 }
 
 fn fits(command: &mut Command) -> Result<Vec<Fit>> {

@@ -2,7 +2,7 @@
 //! parameters it fits.
 
 use serde::Serialize;
-use strum::{EnumString, IntoStaticStr, VariantNames};
+use strum::{EnumIter, EnumString, IntoStaticStr, VariantNames};
 
 use super::parameter::ServoParameter::{self, *};
 
@@ -10,7 +10,9 @@ use super::parameter::ServoParameter::{self, *};
 ///
 /// With S = exp(-|w/w_s|^alpha), tau_m the motor's and tau_e the external torque, friction is L +
 /// K_v |w| with L as given.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, EnumString, IntoStaticStr, VariantNames)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Serialize, EnumIter, EnumString, IntoStaticStr, VariantNames,
+)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum FrictionLevel {

@@ -4,6 +4,7 @@
 pub mod drive;
 mod elementary;
 pub mod fit_quality;
+mod goals;
 pub mod half_samples;
 pub mod lanes;
 pub mod level;
@@ -14,6 +15,7 @@ pub mod search;
 mod simulation;
 pub mod space;
 pub mod spread;
+mod step;
 
 pub use drive::{Control, Drive};
 pub use fit_quality::{FitQuality, PoorFit};

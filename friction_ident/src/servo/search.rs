@@ -82,19 +82,21 @@ pub fn search_from(
             let generation = cma.ask(&mut rng);
             let mut values: Vec<f64> = Vec::with_capacity(generation.len());
             let mut sorted: Vec<f64> = Vec::new();
-            for candidate in &generation {
+            for few in generation.chunks(lanes.at_once()) {
                 let limit = match (effort.abandon, sorted.get(population / 2)) {
                     (true, Some(&limit)) => limit,
                     _ => f64::INFINITY,
                 };
-                let value = lanes.error(&physics(&candidate.x), limit);
-                evaluations += 1;
-                let at = sorted.partition_point(|&other| other <= value);
-                sorted.insert(at, value);
-                if value < best.0 {
-                    best = (value, candidate.x.clone());
+                let candidates: Vec<Physics> = few.iter().map(|one| physics(&one.x)).collect();
+                for (candidate, value) in few.iter().zip(lanes.errors_of(&candidates, limit)) {
+                    evaluations += 1;
+                    let at = sorted.partition_point(|&other| other <= value);
+                    sorted.insert(at, value);
+                    if value < best.0 {
+                        best = (value, candidate.x.clone());
+                    }
+                    values.push(value);
                 }
-                values.push(value);
             }
             cma.tell(&generation, &values);
             if watch(evaluations, best.0).is_break() {
