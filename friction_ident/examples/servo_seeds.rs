@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use friction_ident::servo::space::{usual, with_ripple_window};
+use friction_ident::servo::space::usual;
 use friction_ident::servo::{
     Control, Drive, Effort, FrictionLevel, Lanes, Physics, RawServoLog, ServoLog, ServoParameter,
     search,
@@ -82,9 +82,7 @@ fn main() -> ExitCode {
     for seed in 0..seeds {
         let started = Instant::now();
         let effort = Effort { evaluations, abandon: true };
-        let found = search(&train, &with_ripple_window(&free, seed), seed, &effort, &mut |_, _| {
-            ControlFlow::Continue(())
-        });
+        let found = search(&train, &free, seed, &effort, &mut |_, _| ControlFlow::Continue(()));
         let physics = Physics::new(parameters, &found.values);
         let rate = found.evaluations as f64 / started.elapsed().as_secs_f64();
         let many = vec![physics; 24];

@@ -19,7 +19,6 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use friction_ident::servo::space::with_ripple_window;
 use friction_ident::servo::{
     Drive, Effort, FitQuality, Found, Free, FrictionLevel, Lanes, Physics, ServoLog,
     ServoParameter, estimates, half_samples, search, search_from,
@@ -179,27 +178,21 @@ pub fn identify(
     let work = |&seed: &u64| {
         let started = Instant::now();
         let mut counted = 0;
-        let found = search(
-            &fitted,
-            &with_ripple_window(free, seed),
-            seed,
-            &settings.effort,
-            &mut |evaluations, error| {
-                progress.advance((evaluations - counted) as f64);
-                counted = evaluations;
-                if let Ok(mut least) = least.lock()
-                    && error < *least
-                {
-                    *least = error;
-                    progress.stage(format!("{}: {:.2} mrad", settings.level.name(), 1e3 * error));
-                }
-                if cancel.load(Ordering::Relaxed) {
-                    stop.store(true, Ordering::Relaxed);
-                    return ControlFlow::Break(());
-                }
-                ControlFlow::Continue(())
-            },
-        );
+        let found = search(&fitted, free, seed, &settings.effort, &mut |evaluations, error| {
+            progress.advance((evaluations - counted) as f64);
+            counted = evaluations;
+            if let Ok(mut least) = least.lock()
+                && error < *least
+            {
+                *least = error;
+                progress.stage(format!("{}: {:.2} mrad", settings.level.name(), 1e3 * error));
+            }
+            if cancel.load(Ordering::Relaxed) {
+                stop.store(true, Ordering::Relaxed);
+                return ControlFlow::Break(());
+            }
+            ControlFlow::Continue(())
+        });
         Ok::<_, IdentError>((found, started.elapsed().as_secs_f64()))
     };
     run_in_order(&jobs, settings.workers, &stop, work, |&seed, (found, took)| {
