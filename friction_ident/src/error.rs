@@ -283,7 +283,7 @@ pub enum IdentError {
     Resolution(f64),
     /// A servo log's header holds what no servo has.
     #[error(
-        "the {what} of a servo log must be a positive number, but is {value}; mend the log's header"
+        "the {what} of a servo log must be a positive number that a servo can have, but is {value}; mend the log's header"
     )]
     ServoHeader {
         /// Which entry.

@@ -171,3 +171,25 @@ fn a_stribeck_curve_is_that_of_the_standard_library() {
     let off = found.iter().zip(&plain).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(off < 1e-6, "{off}");
 }
+
+#[test]
+fn a_header_that_no_servo_has_is_refused() {
+    for value in [-1.0, f64::NAN, f64::INFINITY, 1e300] {
+        let change: [fn(&mut RawServoLog, f64); 6] = [
+            |raw, value| raw.mass = value,
+            |raw, value| raw.length = value,
+            |raw, value| raw.gain = value,
+            |raw, value| raw.supply = value,
+            |raw, value| raw.arm_mass = value,
+            |raw, value| raw.damping = value,
+        ];
+        for change in change {
+            let mut raw = raw();
+            change(&mut raw, value);
+            assert!(ServoLog::new(&raw).is_err(), "{value}: {raw:?}");
+        }
+    }
+    let mut raw = raw();
+    (raw.arm_mass, raw.damping) = (0.0, 0.0);
+    assert!(ServoLog::new(&raw).is_ok());
+}

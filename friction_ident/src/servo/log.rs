@@ -65,12 +65,15 @@ impl ServoLog {
             ("position gain", raw.gain),
             ("supply voltage", raw.supply),
         ] {
-            if !(value > 0.0 && value.is_finite()) {
+            if !(value > 0.0 && crate::finite::usable(value)) {
                 return Err(IdentError::ServoHeader { what, value });
             }
         }
-        for (what, value) in [("arm mass", raw.arm_mass), ("damping", raw.damping)] {
-            if !(value >= 0.0 && value.is_finite()) {
+        for (what, value) in [
+            ("arm mass (0 without an arm)", raw.arm_mass),
+            ("damping (0 without one)", raw.damping),
+        ] {
+            if !(value >= 0.0 && crate::finite::usable(value)) {
                 return Err(IdentError::ServoHeader { what, value });
             }
         }
