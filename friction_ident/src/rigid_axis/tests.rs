@@ -103,7 +103,9 @@ fn standard_errors_match_the_scatter() {
             .sqrt();
         let square = |fit: &AxisFit| fit.term(term).unwrap().standard_error.powi(2);
         let reported = (fits.iter().map(square).sum::<f64>() / fits.len() as f64).sqrt();
-        assert!((reported / scatter - 1.0).abs() < 0.2, "{term}: {reported} against {scatter}");
+        // The widest of several intervals counts: a little wider than one that is known to be right.
+        let wider = reported / scatter;
+        assert!((0.85..1.35).contains(&wider), "{term}: {reported} against {scatter}");
     }
 }
 
