@@ -60,8 +60,8 @@ impl Instant<'_> {
             self.samples[self.from[0] + block].goal
         } else {
             let mut goals = [0.0; WIDTH];
-            for lane in 0..WIDTH {
-                goals[lane] = self.samples[self.from[lane] + block].goal[lane];
+            for (lane, goal) in goals.iter_mut().enumerate() {
+                *goal = self.samples[self.from[lane] + block].goal[lane];
             }
             goals
         }

@@ -121,7 +121,7 @@ impl Lanes {
 /// Candidates with which so many logs fill whole blocks, and enough of them.
 fn copies(logs: usize) -> usize {
     let mut copies = 1;
-    while copies < WIDTH && ((copies * logs) % WIDTH != 0 || copies * logs < BUSY) {
+    while copies < WIDTH && (!(copies * logs).is_multiple_of(WIDTH) || copies * logs < BUSY) {
         copies *= 2;
     }
     copies

@@ -64,7 +64,7 @@ impl Lanes {
             for (lane, &value) in q.iter().enumerate() {
                 let place = WIDTH * block + lane;
                 let log = place / self.at_once();
-                let first = place % self.at_once() == 0;
+                let first = place.is_multiple_of(self.at_once());
                 if first && self.lengths.get(log).is_some_and(|&n| positions[log].len() < n) {
                     positions[log].push(value);
                 }
