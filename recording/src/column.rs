@@ -148,6 +148,10 @@ impl Channel {
                 ("stamp", false),
                 ("sec", false),
                 ("seconds", false),
+                ("datetime", false),
+                // What pandas calls an index without a name: a time where the file says so.
+                ("index", true),
+                ("__index_level_0", true),
             ],
             Self::Position => &[
                 ("position", false),

@@ -145,7 +145,7 @@ fn from_bag(path: &Path, steps: impl Into<Steps>) -> Result<DrivenRecording, Rec
             let detail =
                 "velocity, voltage and torque are expected to be finite; cut the bag there"
                     .to_owned();
-            let (path, topic) = (path.into(), RIG_MEASUREMENT);
+            let (path, topic) = (path.into(), RIG_MEASUREMENT.to_owned());
             return Err(RecordingError::Message { path, topic, index: index + 1, detail });
         }
     }

@@ -130,7 +130,7 @@ pub enum RecordingError {
         present: String,
     },
     /// Two columns have the same name.
-    #[error("{} has {count} columns named `{name}`; rename all but one in its header", path.display())]
+    #[error("{} has {count} columns named `{name}`: {present}; name one of them so", path.display())]
     Ambiguous {
         /// The file.
         path: PathBuf,
@@ -138,9 +138,11 @@ pub enum RecordingError {
         name: String,
         /// How often it is there.
         count: usize,
+        /// What they are called in full.
+        present: String,
     },
     /// A cell is no finite number.
-    #[error("{place} of {}, column `{column}`: expected a finite number, but found `{found}`; repair the cell or cut the recording there", path.display())]
+    #[error("{place} of {}, column `{column}`: expected {expected}, but found `{found}`; repair the cell or cut the recording there", path.display())]
     Cell {
         /// The file.
         path: PathBuf,
@@ -148,6 +150,8 @@ pub enum RecordingError {
         place: String,
         /// The column.
         column: String,
+        /// What was expected.
+        expected: &'static str,
         /// What stands there.
         found: String,
     },
@@ -174,6 +178,20 @@ pub enum RecordingError {
         before: f64,
         /// The time there \[s\].
         time: f64,
+    },
+    /// Most samples have the time of the one before.
+    #[error(
+        "{repeated} of the {samples} times in {} repeat the one before: that clock counts too coarsely, or not at all; \
+         expected a time of its own for each sample",
+        path.display()
+    )]
+    CoarseTimes {
+        /// The file.
+        path: PathBuf,
+        /// Samples that have the time of the one before.
+        repeated: usize,
+        /// All samples.
+        samples: usize,
     },
     /// The samples are not evenly spaced.
     #[error("{place} of {}: the time step there is {step} s, but the usual one is {usual} s, and {percent} % more or less is accepted; cut the file there and give one of the parts", path.display())]
@@ -245,6 +263,18 @@ pub enum RecordingError {
         /// The rows of that one.
         expected: usize,
     },
+    /// A motion along a line beside a torque, or a turn beside a force.
+    #[error("column `{motion}` of {} and column `{force}` are of two kinds of axis; expected a force of an axis that moves along a line, or a torque of one that turns: `{force}:FACTOR` gives the factor that turns its values into {unit} at that motion", path.display())]
+    TwoAxes {
+        /// The file.
+        path: PathBuf,
+        /// The column of the motion.
+        motion: String,
+        /// The column of the force or torque.
+        force: String,
+        /// Unit of what would go with the motion.
+        unit: &'static str,
+    },
     /// A table has a time, and a period was given besides.
     #[error("{} has the time in column `{column}`, and the time from row to row was given besides, {period} s; leave out one of them", path.display())]
     TimeTwice {
@@ -287,7 +317,7 @@ pub enum RecordingError {
         /// The bag.
         path: PathBuf,
         /// The topic.
-        topic: &'static str,
+        topic: String,
         /// The message, counted from 1.
         index: usize,
         /// What is wrong with it.
@@ -303,7 +333,7 @@ pub enum RecordingError {
         /// The bag.
         path: PathBuf,
         /// The topic.
-        topic: &'static str,
+        topic: String,
         /// The message, counted from 1.
         index: usize,
     },
@@ -314,6 +344,30 @@ pub enum RecordingError {
         path: PathBuf,
         /// Their names.
         present: String,
+    },
+    /// A bag holds several joints without names.
+    #[error("message {index} of {topic} in {} has {joints} joints and no names; record it with names", path.display())]
+    NoJointNames {
+        /// The bag.
+        path: PathBuf,
+        /// The topic.
+        topic: String,
+        /// The message, counted from 1.
+        index: usize,
+        /// Joints in it.
+        joints: usize,
+    },
+    /// A message has the same joint twice.
+    #[error("message {index} of {topic} in {} has joint `{name}` twice; expected each once", path.display())]
+    JointTwice {
+        /// The bag.
+        path: PathBuf,
+        /// The topic.
+        topic: String,
+        /// The message, counted from 1.
+        index: usize,
+        /// The joint.
+        name: String,
     },
     /// A bag does not hold the joint that was named.
     #[error("{} holds no joint `{name}`; its joints are: {present}", path.display())]
@@ -358,6 +412,10 @@ impl RecordingError {
             | Self::Joined { .. }
             | Self::NotJoined { .. }
             | Self::TimeTwice { .. }
+            | Self::TwoAxes { .. }
+            | Self::CoarseTimes { .. }
+            | Self::NoJointNames { .. }
+            | Self::JointTwice { .. }
             | Self::Empty { .. }
             | Self::HeaderOnly { .. }
             | Self::NoHeader { .. }

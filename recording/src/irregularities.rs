@@ -82,6 +82,12 @@ impl Irregularities {
         Self { blank, decimal_comma, names_in_remark, ..self }
     }
 
+    /// With the messages of a bag that were left out, having no number where one is needed.
+    #[must_use]
+    pub(super) const fn without(self, blank: usize) -> Self {
+        Self { blank, ..self }
+    }
+
     /// What was uneven about two recordings that are taken for one.
     #[must_use]
     pub(super) fn and(self, other: Self) -> Self {

@@ -6,6 +6,7 @@
 
 use std::path::Path;
 
+use msgs::RosMessage;
 use msgs::sensor_msgs::JointState;
 use serde::Serialize;
 
@@ -13,8 +14,19 @@ use super::RecordingError;
 use super::rig_clock::RIG_MEASUREMENT;
 use crate::bag::BagReader;
 
-/// The topic.
+/// The topic, if no robot is named before it.
 pub(super) const JOINT_STATES: &str = "/joint_states";
+
+/// The topic of the joint states of a bag: `/joint_states`, or the only one with such messages, as
+/// `/robot/joint_states`.
+pub(super) fn topic(bag: &BagReader) -> &str {
+    let mut alike = bag.topics().iter().filter(|topic| topic.type_name == JointState::type_name());
+    let usual = bag.topics().iter().any(|topic| topic.name == JOINT_STATES);
+    match (usual, alike.next(), alike.next()) {
+        (false, Some(only), None) => &only.name,
+        _ => JOINT_STATES,
+    }
+}
 
 /// The only joint of this laboratory's rigs.
 const OURS: &str = "load_shaft";
@@ -62,7 +74,7 @@ pub(super) struct Joint {
 /// # Errors
 /// [`RecordingError::Bag`].
 pub fn names(bag: &BagReader) -> Result<Vec<String>, RecordingError> {
-    let messages = bag.messages::<JointState>(JOINT_STATES)?;
+    let messages = bag.messages::<JointState>(topic(bag))?;
     Ok(names_in(messages.iter().map(|(_, state)| state)))
 }
 
@@ -82,7 +94,11 @@ pub(super) fn read(
     bag: &BagReader,
     choice: &JointChoice,
 ) -> Result<Joint, RecordingError> {
-    let messages = bag.messages::<JointState>(JOINT_STATES)?;
+    let topic = topic(bag);
+    let messages = bag.messages::<JointState>(topic)?;
+    for (index, (_, state)) in messages.iter().enumerate() {
+        check(path, topic, index + 1, state)?;
+    }
     let names = names_in(messages.iter().map(|(_, state)| state));
     let name = chosen(path, &names, choice.name.as_deref())?;
     let effort = meaning(path, bag, name, choice.effort)?;
@@ -100,6 +116,32 @@ pub(super) fn read(
         })
     });
     Ok(Joint { name: name.map(str::to_owned), samples: samples.collect(), effort })
+}
+
+/// Refuses a message that does not say which joint its values are of.
+fn check(path: &Path, topic: &str, index: usize, state: &JointState) -> Result<(), RecordingError> {
+    let JointState { name, position, velocity, effort, .. } = state;
+    let joints = [position, velocity, effort].map(Vec::len).into_iter().max().unwrap_or(0);
+    if name.is_empty() && joints > 1 {
+        let (path, topic) = (path.into(), topic.to_owned());
+        return Err(RecordingError::NoJointNames { path, topic, index, joints });
+    }
+    let twice = name.iter().enumerate().find(|(k, one)| name[..*k].contains(one));
+    match twice {
+        Some((_, name)) => Err(RecordingError::JointTwice {
+            path: path.into(),
+            topic: topic.to_owned(),
+            index,
+            name: name.clone(),
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Whether most of the samples have a value.
+pub(super) fn has(samples: &[JointSample], of: fn(&JointSample) -> Option<f64>) -> bool {
+    let there = samples.iter().filter(|sample| of(sample).is_some()).count();
+    2 * there > samples.len()
 }
 
 /// The joint that is meant.

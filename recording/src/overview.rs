@@ -206,6 +206,15 @@ fn table<'a>(
         let (path, column) = (path.into(), time.source.name.clone());
         return Err(RecordingError::TimeTwice { path, column, period });
     }
+    let of = |wanted: Channel| {
+        found.iter().find(|(channel, _)| *channel == wanted).map(|(_, column)| column)
+    };
+    if let (Some(motion), Some(force)) =
+        (of(Channel::Velocity).or(of(Channel::Position)), of(Channel::Force))
+        && let Err(error) = sheet.check_axis(motion, force)
+    {
+        problems.push(error.to_string());
+    }
     if found.is_empty() && sheet.dialect.headerless {
         problems.push(sheet.no_header().to_string());
     }
@@ -274,32 +283,37 @@ fn bag(path: &Path, choice: &JointChoice) -> Result<Overview, RecordingError> {
         }
         Err(error) => return Err(error),
     };
+    if samples.is_empty() {
+        overview.problems.push(format!("{} has no message", joints::topic(&bag)));
+        return Ok(overview);
+    }
     samples.sort_by_key(|sample| sample.stamp);
+    let fields: [(Channel, &str, fn(&joints::JointSample) -> Option<f64>); 3] = [
+        (Channel::Position, "position", |sample| sample.position),
+        (Channel::Velocity, "velocity", |sample| sample.velocity),
+        (Channel::Force, "effort", |sample| sample.effort),
+    ];
+    let (there, missing): (Vec<_>, Vec<_>) =
+        fields.into_iter().partition(|(_, _, of)| joints::has(&samples, *of));
+    for (_, name, of) in missing {
+        let without = samples.iter().filter(|sample| of(sample).is_none()).count();
+        overview.problems.push(format!(
+            "{without} of {} messages have no {name} that is a number",
+            samples.len()
+        ));
+    }
+    // As they are left out when they are read.
+    let all = samples.len();
+    samples.retain(|sample| there.iter().all(|(_, _, of)| of(sample).is_some()));
+    overview.blank = all - samples.len();
     let start = samples.first().map_or(0, |sample| sample.stamp);
     let since: Vec<f64> =
         samples.iter().map(|sample| sample.stamp.saturating_sub(start) as f64 * 1e-9).collect();
     overview.samples = samples.len();
     overview.times = Some(times_of(&since));
-    for (channel, name) in [
-        (Channel::Position, "position"),
-        (Channel::Velocity, "velocity"),
-        (Channel::Force, "effort"),
-    ] {
-        let of = |sample: &joints::JointSample| match channel {
-            Channel::Position => sample.position,
-            Channel::Velocity => sample.velocity,
-            _ => sample.effort,
-        };
-        let values: Vec<f64> = samples.iter().filter_map(of).collect();
-        if values.len() == samples.len() {
-            overview.channels.push(seen(channel, name.to_owned(), None, 1.0, values));
-        } else {
-            let missing = samples.len() - values.len();
-            overview.problems.push(format!(
-                "{missing} of {} messages have no {name} that is a number",
-                samples.len()
-            ));
-        }
+    for (channel, name, of) in there {
+        let values = samples.iter().filter_map(of).collect();
+        overview.channels.push(seen(channel, name.to_owned(), None, 1.0, values));
     }
     Ok(overview.with_motion())
 }

@@ -11,7 +11,7 @@ use std::path::Path;
 use friction_model::Motor;
 use msgs::friction_msgs::RigMeasurement;
 
-use super::joints::{self, Effort, JOINT_STATES, Joint, JointChoice};
+use super::joints::{self, Effort, Joint, JointChoice};
 use super::rig_clock::{self, RIG_MEASUREMENT};
 use super::timing::{Steps, Timing};
 use super::{AxisKind, ChannelSource, RecordedStretch, Recording, RecordingError, Sources};
@@ -33,7 +33,7 @@ pub fn read(
     let channel = motor
         .map_or_else(|| BagChannel::Effort(joint.clone()), |motor| BagChannel::Driving(*motor));
     let track = track(path, &channel)?;
-    let Track { topic, joint, .. } = &track;
+    let Track { topic, joint, blank, .. } = &track;
     let place = |index: usize| format!("message {} of {topic}", index + 1);
     let timing = Timing::of(path, &track.time, steps, place)?.of_one_rate();
     let of = joint.as_ref().map_or_else(String::new, |name| format!(" of {name}"));
@@ -50,7 +50,7 @@ pub fn read(
         velocity: moved.map(|values| super::all_stretches(&timing, values, None)),
         force: super::all_stretches(&timing, &track.force, None),
         stretches: RecordedStretch::of(&timing, 0),
-        irregularities: timing.irregularities,
+        irregularities: timing.irregularities.without(*blank),
         axis: Some(AxisKind::Rotary),
         friction_only: track.friction_only,
         sources: Sources {
@@ -76,7 +76,7 @@ pub(super) enum BagChannel {
 
 /// What was recorded, at whatever times.
 pub(super) struct Track {
-    pub topic: &'static str,
+    pub topic: String,
     /// The joint, where it has a name.
     pub joint: Option<String>,
     /// Times \[s\], by the rig's own clock where the bag has it.
@@ -89,6 +89,8 @@ pub(super) struct Track {
     pub force: Vec<f64>,
     /// It is friction alone.
     pub friction_only: bool,
+    /// Messages without a number where one is needed, left out.
+    pub blank: usize,
 }
 
 /// Reads all messages.
@@ -119,29 +121,42 @@ fn of_joint(path: &Path, bag: &BagReader, choice: &JointChoice) -> Result<Track,
     let Joint { name, mut samples, effort } = joints::read(path, bag, choice)?;
     // A bag is in the order of its log; what counts is when the sample was taken.
     samples.sort_by_key(|sample| sample.stamp);
-    let stamps: Vec<u64> = samples.iter().map(|sample| sample.stamp).collect();
-    let all = |of: fn(&joints::JointSample) -> Option<f64>| -> (Vec<f64>, Option<usize>) {
-        let first = samples.iter().position(|sample| of(sample).is_none());
-        (samples.iter().map_while(of).collect(), first)
-    };
-    let (force, without) = all(|sample| sample.effort);
-    let (position, unplaced) = all(|sample| sample.position);
-    let (velocity, unmoved) = all(|sample| sample.velocity);
-    // A position that stands still beside a velocity was not measured.
-    let stands = position.windows(2).all(|pair| pair[0] == pair[1]);
-    let velocity = unmoved.is_none().then_some(velocity);
-    let position = (unplaced.is_none() && !(stands && velocity.is_some())).then_some(position);
-    let missing = match (&velocity, &position) {
-        (None, None) => without.into_iter().chain(unmoved).min(),
-        _ => without,
-    };
-    if let Some(index) = missing {
-        let (path, topic) = (path.into(), JOINT_STATES);
-        return Err(RecordingError::NoEffort { path, topic, index: index + 1 });
+    let topic = joints::topic(bag).to_owned();
+    let [position, velocity, force]: [fn(&joints::JointSample) -> Option<f64>; 3] =
+        [|sample| sample.position, |sample| sample.velocity, |sample| sample.effort];
+    let (placed, moved) = (joints::has(&samples, position), joints::has(&samples, velocity));
+    let drives = joints::has(&samples, force);
+    if !(drives && (placed || moved)) && !samples.is_empty() {
+        let first = samples.iter().position(|sample| {
+            force(sample).is_none() || position(sample).or(velocity(sample)).is_none()
+        });
+        let (path, index) = (path.into(), first.map_or(1, |first| first + 1));
+        return Err(RecordingError::NoEffort { path, topic, index });
     }
-    let friction_only = effort == Effort::Friction;
-    let time = times(bag, &stamps)?;
-    Ok(Track { topic: JOINT_STATES, joint: name, time, position, velocity, force, friction_only })
+    // A message without a number that most have, as drivers send at their start, is left out.
+    let all = samples.len();
+    samples.retain(|sample| {
+        force(sample).is_some()
+            && (position(sample).is_some() || !placed)
+            && (velocity(sample).is_some() || !moved)
+    });
+    let of = |of: fn(&joints::JointSample) -> Option<f64>| -> Vec<f64> {
+        samples.iter().filter_map(of).collect()
+    };
+    // A position that stands still beside a velocity was not measured.
+    let position = Some(of(position)).filter(|_| placed);
+    let stands = |position: &Vec<f64>| position.windows(2).all(|pair| pair[0] == pair[1]);
+    let stamps: Vec<u64> = samples.iter().map(|sample| sample.stamp).collect();
+    Ok(Track {
+        topic,
+        joint: name,
+        time: times(bag, &stamps)?,
+        position: position.filter(|position| !(moved && stands(position))),
+        velocity: Some(of(velocity)).filter(|_| moved),
+        force: of(force),
+        friction_only: effort == Effort::Friction,
+        blank: all - samples.len(),
+    })
 }
 
 /// The rig's measurement, with what `value` makes of voltage \[V\] and velocity [rad/s].
@@ -157,7 +172,7 @@ fn of_rig(
             let detail = format!(
                 "velocity {velocity} and voltage {voltage} are expected to be finite; cut the bag there"
             );
-            let (path, topic) = (path.into(), RIG_MEASUREMENT);
+            let (path, topic) = (path.into(), RIG_MEASUREMENT.to_owned());
             return Err(RecordingError::Message { path, topic, index: index + 1, detail });
         }
     }
@@ -166,13 +181,14 @@ fn of_rig(
     let velocity: Vec<f64> = messages.iter().map(|(_, rig)| rig.tachometer_velocity).collect();
     let force = messages.iter().map(|(_, rig)| value(rig.voltage_applied, rig.tachometer_velocity));
     Ok(Track {
-        topic: RIG_MEASUREMENT,
+        topic: RIG_MEASUREMENT.to_owned(),
         joint: None,
         time: times(bag, &stamps)?,
         position: None,
         force: force.collect(),
         velocity: Some(velocity),
         friction_only: false,
+        blank: 0,
     })
 }
 
@@ -180,6 +196,7 @@ fn of_rig(
 mod tests {
     use super::*;
     use crate::bag::{BagOptions, BagWriter};
+    use crate::joints::JOINT_STATES;
     use msgs::sensor_msgs::JointState;
     use msgs::std_msgs::Header;
 
@@ -246,6 +263,69 @@ mod tests {
             let said = message(name, effort);
             assert!(parts.iter().all(|part| said.contains(part)), "{said}");
         }
+    }
+
+    /// A bag whose messages `state` makes, on this topic.
+    fn bag(dir: &Path, topic: &str, state: impl Fn(u64) -> JointState) {
+        let mut bag = BagWriter::create(dir, BagOptions::default()).unwrap();
+        for i in 0..40u64 {
+            let stamp = 1_600_000_000_000_000_000 + i * 1_000_000;
+            let state = JointState { header: Header::at(stamp), ..state(i) };
+            bag.write(topic, stamp, &state).unwrap();
+        }
+        bag.finish().unwrap();
+    }
+
+    fn state(names: &[&str], effort: f64) -> JointState {
+        JointState {
+            header: Header::at(0),
+            name: names.iter().map(|name| (*name).to_owned()).collect(),
+            position: vec![0.5; names.len().max(1)],
+            velocity: vec![1.0; names.len().max(1)],
+            effort: vec![effort; names.len().max(1)],
+        }
+    }
+
+    const DRIVING: JointChoice = JointChoice { name: None, effort: Some(Effort::Driving) };
+
+    /// One message without an effort and the whole bag was refused.
+    #[test]
+    fn messages_without_a_number_are_left_out_and_counted() {
+        let folder = tempfile::tempdir().unwrap();
+        let dir = folder.path().join("bag");
+        bag(&dir, JOINT_STATES, |i| state(&["j"], if i < 3 || i == 20 { f64::NAN } else { 2.0 }));
+        let found = read(&dir, None, &DRIVING, 0.05).unwrap();
+        assert_eq!((found.irregularities.blank, found.samples()), (4, 37));
+        assert!(found.force.iter().all(|force| *force == 2.0));
+        let seen = crate::overview::look(&dir, &Default::default(), &DRIVING).unwrap();
+        assert_eq!((seen.samples, seen.blank), (36, 4));
+        let none = folder.path().join("none");
+        bag(&none, JOINT_STATES, |_| state(&["j"], f64::NAN));
+        let said = read(&none, None, &DRIVING, 0.05).unwrap_err();
+        assert!(matches!(said, RecordingError::NoEffort { index: 1, .. }), "{said}");
+    }
+
+    #[test]
+    fn a_robot_may_be_named_before_the_topic() {
+        let folder = tempfile::tempdir().unwrap();
+        let dir = folder.path().join("bag");
+        bag(&dir, "/left_arm/joint_states", |_| state(&["j"], 2.0));
+        let found = read(&dir, None, &DRIVING, 0.05).unwrap();
+        assert_eq!(found.sources.force.name, "/left_arm/joint_states effort of j");
+    }
+
+    /// The first of several values was read, whichever joint it belonged to.
+    #[test]
+    fn joints_that_cannot_be_told_apart_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let nameless = folder.path().join("nameless");
+        bag(&nameless, JOINT_STATES, |_| JointState { effort: vec![1.0, 2.0], ..state(&[], 1.0) });
+        let said = read(&nameless, None, &DRIVING, 0.05).unwrap_err().to_string();
+        assert!(said.contains("2 joints and no names"), "{said}");
+        let twice = folder.path().join("twice");
+        bag(&twice, JOINT_STATES, |_| state(&["j", "j"], 1.0));
+        let said = read(&twice, None, &DRIVING, 0.05).unwrap_err().to_string();
+        assert!(said.contains("`j` twice"), "{said}");
     }
 
     #[test]

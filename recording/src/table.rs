@@ -138,6 +138,9 @@ pub(super) fn rows(
         (position, velocity) => (position, velocity),
     };
     let force = sheet.require(columns.measured.channel(), columns.force.as_ref())?;
+    if let Some(motion) = velocity.as_ref().or(position.as_ref()) {
+        sheet.check_axis(motion, &force)?;
+    }
     let wanted: Vec<&Found> =
         [&force].into_iter().chain(&time).chain(&position).chain(&velocity).collect();
     let Cells { values, lines, rows, blank } = sheet.columns(&wanted, Missing::LeftOut)?;

@@ -114,12 +114,12 @@ fn normal(text: &str) -> String {
         .trim_end_matches(')')
         .to_lowercase()
         .replace(['µ', 'μ'], "u")
-        .replace('°', "deg")
+        .replace(['°', 'º'], "deg")
         .replace("⁻¹", "^-1")
         .replace("**", "^")
         .replace("_per_", "/")
         .replace(" per ", "/")
-        .replace([' ', '·', '*', '.'], "_");
+        .replace([' ', '\u{a0}', '·', '⋅', '∙', '×', '*', '.'], "_");
     for inverse in ["^-1", "^(-1)", "-1"] {
         if let Some(rest) = text.strip_suffix(inverse) {
             let (product, last) = rest.rsplit_once('_').unwrap_or(("1", rest));
@@ -131,6 +131,13 @@ fn normal(text: &str) -> String {
 }
 
 const TURN: f64 = 2.0 * PI;
+/// Weight of a kilogram \[N\].
+const KGF: f64 = 9.806_65;
+/// Weight of a pound \[N\].
+const LBF: f64 = 4.448_221_615_260_5;
+/// \[m\]
+const INCH: f64 = 0.0254;
+const FOOT: f64 = 12.0 * INCH;
 
 /// What it measures, factor to SI, spellings.
 const UNITS: &[(Quantity, f64, &[&str])] = &[
@@ -143,6 +150,7 @@ const UNITS: &[(Quantity, f64, &[&str])] = &[
     (Quantity::Length, 1e-2, &["cm"]),
     (Quantity::Length, 1e-3, &["mm"]),
     (Quantity::Length, 1e-6, &["um", "micron", "microns"]),
+    (Quantity::Length, INCH, &["inch", "inches"]),
     (Quantity::Angle, 1.0, &["rad", "radian", "radians"]),
     (Quantity::Angle, 1e-3, &["mrad"]),
     (Quantity::Angle, 1e-6, &["urad"]),
@@ -152,6 +160,7 @@ const UNITS: &[(Quantity, f64, &[&str])] = &[
     (Quantity::Speed, 1e-2, &["cm/s", "cm_s"]),
     (Quantity::Speed, 1e-3, &["mm/s", "mm_s", "mm/sec", "mmps"]),
     (Quantity::Speed, 1e-6, &["um/s", "um_s"]),
+    (Quantity::Speed, INCH, &["in/s", "inch/s", "inches/s", "ips"]),
     (Quantity::Speed, 1.0 / 60.0, &["m/min", "m_min"]),
     (Quantity::Speed, 1e-3 / 60.0, &["mm/min", "mm_min"]),
     (Quantity::AngularSpeed, 1.0, &["rad/s", "rad_s", "rad/sec", "rad_sec", "radps", "radians/s"]),
@@ -170,11 +179,21 @@ const UNITS: &[(Quantity, f64, &[&str])] = &[
     (Quantity::Force, 1.0, &["n", "newton", "newtons"]),
     (Quantity::Force, 1e-3, &["mn"]),
     (Quantity::Force, 1e3, &["kn"]),
+    (Quantity::Force, KGF, &["kgf", "kp"]),
+    (Quantity::Force, 1e-3 * KGF, &["gf"]),
+    (Quantity::Force, LBF, &["lbf"]),
+    (Quantity::Force, LBF / 16.0, &["ozf"]),
     (Quantity::Torque, 1.0, &["nm", "n_m", "newton_meter", "newton_metre", "newtonmeter"]),
     (Quantity::Torque, 1e-3, &["mnm", "mn_m", "nmm", "n_mm"]),
     (Quantity::Torque, 1e-6, &["unm", "un_m"]),
     (Quantity::Torque, 1e-2, &["ncm", "n_cm"]),
     (Quantity::Torque, 1e3, &["knm", "kn_m"]),
+    (Quantity::Torque, KGF, &["kgf_m", "kgfm", "kpm", "kgm", "kg_m"]),
+    (Quantity::Torque, 1e-2 * KGF, &["kgf_cm", "kgfcm", "kgcm", "kg_cm"]),
+    (Quantity::Torque, 1e-5 * KGF, &["gf_cm", "gfcm", "gcm", "g_cm"]),
+    (Quantity::Torque, LBF * FOOT, &["lbf_ft", "ft_lbf", "lb_ft", "ft_lb", "lbft", "ftlb"]),
+    (Quantity::Torque, LBF * INCH, &["lbf_in", "in_lbf", "lb_in", "in_lb", "lbin", "inlb"]),
+    (Quantity::Torque, LBF * INCH / 16.0, &["ozf_in", "oz_in", "in_oz", "ozin", "inoz"]),
     (Quantity::Voltage, 1.0, &["v", "volt", "volts"]),
     (Quantity::Voltage, 1e-3, &["mv"]),
     (Quantity::Current, 1.0, &["a", "amp", "amps", "ampere", "amperes"]),
@@ -235,12 +254,18 @@ mod tests {
             ("N·m", 1.0),
             ("N-m", 1.0),
             ("N cm", 1e-2),
+            ("N⋅m", 1.0),
+            ("kgf cm", 0.0980665),
+            ("in-lb", 0.112984829),
+            ("oz-in", 0.00706155181),
+            ("inch", 0.0254),
             ("MNm", f64::NAN),
             ("N/m", f64::NAN),
             ("furlong", f64::NAN),
         ] {
             let found = unit_of(text).map_or(f64::NAN, |unit| unit.factor);
-            assert!(found == factor || found.is_nan() && factor.is_nan(), "{text}: {found}");
+            let same = (found / factor - 1.0).abs() < 1e-8;
+            assert!(same || found.is_nan() && factor.is_nan(), "{text}: {found}");
         }
     }
 

@@ -64,6 +64,11 @@ fn of_recording(error: &RecordingError) -> String {
             )
         }
         RecordingError::TimeTwice { .. } => " (--period)".to_owned(),
+        RecordingError::TwoAxes { force, .. } => format!(" (--force-column '{force}:FACTOR')"),
+        RecordingError::CoarseTimes { .. } => {
+            ": --time NAME names a finer one, and --period SECONDS gives the time from row to row of a table"
+                .to_owned()
+        }
         RecordingError::Joined { .. } => " (--beside TABLE)".to_owned(),
         RecordingError::Unit { source, .. } => {
             format!(" ({} NAME:SCALE)", option(source.channel))

@@ -34,7 +34,7 @@ pub fn terminal(seen: &Overview) -> String {
     }
     for row in channels(seen) {
         let [channel, name, unit, range, step] = row;
-        let _ = writeln!(text, "  {channel:<17}{name:<22}{unit:<22}{range}{step}");
+        let _ = writeln!(text, "  {channel:<17}{name:<21} {unit:<21} {range}{step}");
     }
     let found = prospects(seen);
     for (title, lines) in [
@@ -60,6 +60,9 @@ pub(super) fn written(seen: &Overview) -> Vec<String> {
             Form::Text => format!("columns separated by {}", dialect.separator.describe()),
             other => other.describe().to_owned(),
         };
+        if let Some(encoding) = dialect.encoding.describe() {
+            let _ = write!(line, "; {encoding}");
+        }
         if dialect.decimal_comma {
             line += "; decimals with a comma";
         }
@@ -94,6 +97,9 @@ pub(super) fn written(seen: &Overview) -> Vec<String> {
 
 /// The times in words.
 pub(super) fn of_times(times: &Times) -> Vec<String> {
+    if !times.rate.is_finite() {
+        return vec!["no two samples have different times, so there is no rate".to_owned()];
+    }
     let mut lines = vec![format!(
         "{:.4} s at {} Hz (median); steps from {} to {} s; {} gaps",
         times.duration,

@@ -171,7 +171,13 @@ impl BagReader {
             if message.channel.topic != topic {
                 continue;
             }
-            let decoded = cdr::decode(&message.data).map_err(|source| BagError::Message {
+            // Each message may be packed by itself; plain ones begin with a zero.
+            let packed = message.data.starts_with(sqlite::ZSTD);
+            let unpacked = packed
+                .then(|| sqlite::unpack(file, &message.data, LARGEST_RECORD as u64))
+                .transpose()?;
+            let bytes = unpacked.as_deref().unwrap_or(&message.data);
+            let decoded = cdr::decode(bytes).map_err(|source| BagError::Message {
                 path: self.path.clone(),
                 topic: topic.into(),
                 index: messages.len(),

@@ -16,7 +16,7 @@ use super::{BagError, salvage::LARGEST_RECORD, topic_info::TopicInfo};
 /// What an SQLite database begins with.
 const MAGIC: &[u8] = b"SQLite format 3\0";
 /// What zstd begins with.
-const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
+pub(super) const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
 /// Largest database that is unpacked \[bytes\].
 const LARGEST: u64 = files::input::LARGEST_TABLE;
 
@@ -170,7 +170,7 @@ fn connect(path: &Path) -> Result<Connection, BagError> {
 }
 
 /// What zstd packed, up to `most` bytes.
-fn unpack(path: &Path, packed: &[u8], most: u64) -> Result<Vec<u8>, BagError> {
+pub(super) fn unpack(path: &Path, packed: &[u8], most: u64) -> Result<Vec<u8>, BagError> {
     let refuse = |error: std::io::Error| refused(path, format!("it cannot be unpacked: {error}"));
     let mut bytes = Vec::new();
     let reader = zstd::stream::read::Decoder::new(packed).map_err(refuse)?;

@@ -1,8 +1,9 @@
 //! MATLAB 7.3, which is HDF5, and other HDF5 files of arrays. Groups are flattened by dots.
 
-use hdf5_pure::{DType, Dataset, File, Group};
+use hdf5_pure::{AttrValue, DType, Dataset, File, Group};
 
 use super::{Contents, Variable};
+use crate::units;
 
 /// Groups within groups.
 const DEEPEST: usize = 16;
@@ -92,6 +93,25 @@ fn array(dataset: &Dataset, name: String, found: &mut Contents) -> Result<(), St
     if values.len() != count {
         return Err(format!("`{name}` has {} numbers, not {count}", values.len()));
     }
-    found.variables.push(Variable { name, rows, columns, values });
+    let unit = unit(dataset).filter(|_| units::parts(&name).unit.is_none());
+    found.variables.push(Variable { name, unit, rows, columns, values });
     Ok(())
+}
+
+/// The unit that an attribute says, as NetCDF has it. One in the name comes first.
+fn unit(dataset: &Dataset) -> Option<String> {
+    let attributes = dataset.attrs().ok()?;
+    let said = attributes
+        .into_iter()
+        .find(|(name, _)| ["units", "unit"].iter().any(|usual| name.eq_ignore_ascii_case(usual)));
+    let text = match said?.1 {
+        AttrValue::String(text) | AttrValue::AsciiString(text) => text,
+        AttrValue::StringSized { value, .. } | AttrValue::AsciiStringSized { value, .. } => value,
+        AttrValue::VarLenString(text) | AttrValue::VarLenAsciiString(text) => text,
+        _ => return None,
+    };
+    // A time may say since when.
+    let unit = text.split(" since ").next().unwrap_or_default().trim();
+    let none = ["", "-", "1", "none"].iter().any(|none| unit.eq_ignore_ascii_case(none));
+    (!none).then(|| unit.to_owned())
 }

@@ -6,6 +6,7 @@
 //! whatever it says of itself.
 
 mod assemble;
+mod foreign;
 mod guard;
 mod hdf;
 mod matlab;
@@ -81,6 +82,8 @@ pub(super) struct GridColumn {
     pub stem: String,
     /// Which joint it is, where there are several.
     pub label: Option<String>,
+    /// The unit that the file says, apart from the name.
+    pub unit: Option<String>,
     /// Its values; NaN where there is none.
     pub values: Vec<f64>,
 }
@@ -98,6 +101,8 @@ pub(super) struct Grid {
 #[derive(Debug, Clone, PartialEq)]
 struct Variable {
     name: String,
+    /// The unit that the file says, apart from the name.
+    unit: Option<String>,
     rows: usize,
     columns: usize,
     values: Vec<f64>,
@@ -146,6 +151,16 @@ pub(super) fn form_of(bytes: &[u8]) -> Form {
     } else {
         Form::Text
     }
+}
+
+/// Refuses a file that is neither text nor of a form that is read.
+///
+/// # Errors
+/// [`RecordingError::Form`].
+pub(super) fn refuse_foreign(path: &Path, bytes: &[u8]) -> Result<(), RecordingError> {
+    let Some(foreign::Foreign { form, convert }) = foreign::foreign(bytes) else { return Ok(()) };
+    let detail = "such files are not read".to_owned();
+    Err(RecordingError::Form { path: path.into(), form, detail, convert })
 }
 
 /// The columns of a file that is no text.

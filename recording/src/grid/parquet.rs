@@ -3,9 +3,10 @@
 use std::cell::OnceCell;
 
 use bytes::Bytes;
-use parquet::basic::{LogicalType, TimeUnit, Type};
+use parquet::basic::{ConvertedType, LogicalType, TimeUnit, Type};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
-use parquet::data_type::DataType;
+use parquet::data_type::{DataType, Int96};
+use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 
@@ -16,7 +17,7 @@ const BATCH: usize = 1 << 16;
 
 /// All columns of numbers.
 pub(super) fn read(bytes: &[u8]) -> Result<Contents, String> {
-    let said = |error: parquet::errors::ParquetError| error.to_string();
+    let said = |error: ParquetError| in_words(&error);
     let file = SerializedFileReader::new(Bytes::copy_from_slice(bytes)).map_err(said)?;
     let schema = file.metadata().file_metadata().schema_descr_ptr();
     let mut found = Contents::default();
@@ -24,18 +25,18 @@ pub(super) fn read(bytes: &[u8]) -> Result<Contents, String> {
         let name = column.path().parts().join(".");
         let numbers = matches!(
             column.physical_type(),
-            Type::BOOLEAN | Type::INT32 | Type::INT64 | Type::FLOAT | Type::DOUBLE
+            Type::BOOLEAN | Type::INT32 | Type::INT64 | Type::INT96 | Type::FLOAT | Type::DOUBLE
         );
         if !numbers || column.max_rep_level() > 0 {
             found.leave_out(&name, "it is no column of numbers");
             continue;
         }
-        let Some(scale) = scale(column) else {
+        let Some(Numbers { scale, time, unsigned }) = Numbers::of(column) else {
             found.leave_out(&name, "its numbers are of a kind that is not read");
             continue;
         };
         // Times since 1970 need more digits than a number has: they count from the first one.
-        let (times, start) = (scale != 1.0, OnceCell::new());
+        let start = OnceCell::new();
         let mut values = Vec::new();
         for group in 0..file.num_row_groups() {
             let group = file.get_row_group(group).map_err(said)?;
@@ -46,13 +47,25 @@ pub(super) fn read(bytes: &[u8]) -> Result<Contents, String> {
                 ColumnReader::BoolColumnReader(reader) => {
                     cells(reader, most, first, &mut found, |v| f64::from(u8::from(*v)))?;
                 }
+                ColumnReader::Int32ColumnReader(reader) if unsigned => {
+                    cells(reader, most, first, &mut found, |v| f64::from(v.cast_unsigned()))?;
+                }
                 ColumnReader::Int32ColumnReader(reader) => {
                     cells(reader, most, first, &mut found, |v| f64::from(*v))?;
                 }
+                ColumnReader::Int64ColumnReader(reader) if unsigned => {
+                    cells(reader, most, first, &mut found, |v| v.cast_unsigned() as f64)?;
+                }
                 ColumnReader::Int64ColumnReader(reader) => {
                     let since = |v: &i64| {
-                        let start = if times { *start.get_or_init(|| *v) } else { 0 };
+                        let start = if time { *start.get_or_init(|| *v) } else { 0 };
                         v.wrapping_sub(start) as f64
+                    };
+                    cells(reader, most, first, &mut found, since)?;
+                }
+                ColumnReader::Int96ColumnReader(reader) => {
+                    let since = |v: &Int96| {
+                        v.to_nanos().wrapping_sub(*start.get_or_init(|| v.to_nanos())) as f64
                     };
                     cells(reader, most, first, &mut found, since)?;
                 }
@@ -66,9 +79,19 @@ pub(super) fn read(bytes: &[u8]) -> Result<Contents, String> {
             }
         }
         values.iter_mut().for_each(|value| *value *= scale);
-        found.variables.push(Variable { name, rows: values.len(), columns: 1, values });
+        let unit = time.then(|| "s".to_owned());
+        found.variables.push(Variable { name, unit, rows: values.len(), columns: 1, values });
     }
     Ok(found)
+}
+
+/// The library names a compression that was left out by the feature that it was built without.
+fn in_words(error: &ParquetError) -> String {
+    let said = error.to_string();
+    match said.split_once("Disabled feature at compile time: ") {
+        Some((_, codec)) => format!("its columns are compressed by {codec}, which is not read"),
+        None => said,
+    }
 }
 
 /// Adds the values of one group of rows; those that are not there are NaN.
@@ -86,7 +109,7 @@ fn cells<T: DataType>(
         let given = (most > 0).then_some(&mut levels);
         let (records, _, _) = reader
             .read_records(BATCH, given, None, &mut batch)
-            .map_err(|error| error.to_string())?;
+            .map_err(|error| in_words(&error))?;
         if records == 0 {
             return Ok(());
         }
@@ -104,13 +127,52 @@ fn cells<T: DataType>(
     }
 }
 
-/// Factor of a column's numbers: seconds for times; none where it is of another kind.
-fn scale(column: &ColumnDescriptor) -> Option<f64> {
-    match column.logical_type_ref() {
-        None | Some(LogicalType::Integer(_)) => Some(1.0),
-        Some(LogicalType::Timestamp(time)) => Some(seconds(&time.unit)),
-        Some(LogicalType::Time(time)) => Some(seconds(&time.unit)),
-        _ => None,
+/// What the numbers of a column are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Numbers {
+    /// Factor: to seconds for times.
+    scale: f64,
+    /// They are times.
+    time: bool,
+    /// They are counted from zero, though the file keeps them as if they had a sign.
+    unsigned: bool,
+}
+
+impl Numbers {
+    /// What a column says of its numbers; none where they are of another kind. Old files say it by
+    /// a converted type alone.
+    fn of(column: &ColumnDescriptor) -> Option<Self> {
+        let number = Self { scale: 1.0, time: false, unsigned: false };
+        let time = |scale: f64| Some(Self { scale, time: true, ..number });
+        if column.physical_type() == Type::INT96 {
+            return time(1e-9);
+        }
+        match (column.logical_type_ref(), column.converted_type()) {
+            (Some(LogicalType::Timestamp(time_of)), _) => time(seconds(&time_of.unit)),
+            (Some(LogicalType::Time(time_of)), _) => time(seconds(&time_of.unit)),
+            (Some(LogicalType::Integer(int)), _) => {
+                Some(Self { unsigned: !int.is_signed, ..number })
+            }
+            (Some(_), _) => None,
+            (None, ConvertedType::TIMESTAMP_MILLIS | ConvertedType::TIME_MILLIS) => time(1e-3),
+            (None, ConvertedType::TIMESTAMP_MICROS | ConvertedType::TIME_MICROS) => time(1e-6),
+            (
+                None,
+                ConvertedType::UINT_8
+                | ConvertedType::UINT_16
+                | ConvertedType::UINT_32
+                | ConvertedType::UINT_64,
+            ) => Some(Self { unsigned: true, ..number }),
+            (
+                None,
+                ConvertedType::NONE
+                | ConvertedType::INT_8
+                | ConvertedType::INT_16
+                | ConvertedType::INT_32
+                | ConvertedType::INT_64,
+            ) => Some(number),
+            (None, _) => None,
+        }
     }
 }
 

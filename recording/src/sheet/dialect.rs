@@ -5,6 +5,7 @@ use std::borrow::Cow;
 
 use serde::Serialize;
 
+use super::encoding::Encoding;
 use crate::grid::Form;
 
 /// What separates the columns.
@@ -44,14 +45,19 @@ impl Separator {
 
     /// Fields of a line.
     fn fields(self, line: &str) -> usize {
-        self.split(line).count()
+        self.split(line).len()
     }
 
-    fn split(self, line: &str) -> Box<dyn Iterator<Item = &str> + '_> {
-        match self {
-            Self::Blanks => Box::new(line.split_whitespace()),
-            other => Box::new(line.split(char::from(other.byte()))),
+    fn split(self, line: &str) -> Vec<&str> {
+        if self == Self::Blanks {
+            return words(line);
         }
+        let (separator, mut quoted) = (char::from(self.byte()), false);
+        line.split(|c: char| {
+            quoted ^= c == '"';
+            c == separator && !quoted
+        })
+        .collect()
     }
 }
 
@@ -60,6 +66,8 @@ impl Separator {
 pub struct Dialect {
     /// What kind of file it is; what follows speaks of text.
     pub form: Form,
+    /// How its characters are written.
+    pub encoding: Encoding,
     /// What separates its columns.
     pub separator: Separator,
     /// Decimals are written with a comma.
@@ -79,6 +87,7 @@ impl Dialect {
     pub(super) const fn of_grid(form: Form) -> Self {
         Self {
             form,
+            encoding: Encoding::Utf8,
             separator: Separator::Comma,
             decimal_comma: false,
             remarks: 0,
@@ -111,20 +120,21 @@ pub(super) fn plain(bytes: &[u8]) -> Plain<'_> {
     let (text, remarks, last) = without_remarks(bytes);
     let separator = separator(&text);
     let text = if separator == Separator::Blanks { Cow::Owned(tabbed(&text)) } else { text };
-    let decimal_comma = separator != Separator::Comma && has_decimal_commas(&text, separator);
+    let decimal_comma = has_decimal_commas(&text, separator);
     let first = lines(&text).next().unwrap_or_default();
     let shown = if separator == Separator::Blanks { Separator::Tab } else { separator };
-    let headerless = shown.split(&first).all(|cell| is_number(cell, decimal_comma));
+    let headerless = shown.split(&first).iter().all(|cell| is_number(cell, decimal_comma));
     // `numpy.savetxt` writes the names behind a hash.
     let names = last.filter(|_| headerless).and_then(|remark| {
         let names: Vec<String> =
-            separator.split(&remark).map(|name| name.trim().to_owned()).collect();
+            separator.split(&remark).iter().map(|name| name.trim().to_owned()).collect();
         let fits = names.len() == shown.fields(&first)
             && names.iter().all(|name| !name.is_empty() && !is_number(name, decimal_comma));
         fits.then_some(names)
     });
     let dialect = Dialect {
         form: Form::Text,
+        encoding: Encoding::Utf8,
         units_below: false,
         separator,
         decimal_comma,
@@ -141,9 +151,40 @@ fn lines(bytes: &[u8]) -> impl Iterator<Item = Cow<'_, str>> {
     lines.filter(|line| !line.is_empty()).map(String::from_utf8_lossy)
 }
 
+/// Whether a line is a remark, or tells a spreadsheet what separates the columns, as in `sep=;`.
+pub(super) fn is_remark(line: &[u8]) -> bool {
+    let line = line.trim_ascii();
+    let bare = line.strip_prefix(b"\"").unwrap_or(line);
+    matches!(line.first(), Some(b'#' | b'%'))
+        || line.len() < 8 && bare.get(..4).is_some_and(|start| start.eq_ignore_ascii_case(b"sep="))
+}
+
+/// The words of a line. A unit in brackets belongs to the word before it, as in `q [rad]`.
+pub(super) fn words(line: &str) -> Vec<&str> {
+    let (mut words, mut start, mut open) = (Vec::new(), None, false);
+    let begins =
+        |at: usize| line.get(at..).unwrap_or_default().trim_start().starts_with(['[', '(']);
+    for (at, c) in line.char_indices() {
+        if c.is_whitespace() && !open {
+            if let Some(from) = start.filter(|_| !begins(at)) {
+                words.push(line[from..at].trim_end());
+                start = None;
+            }
+            continue;
+        }
+        open = match c {
+            '[' | '(' => true,
+            ']' | ')' => false,
+            _ => open,
+        };
+        start = start.or(Some(at));
+    }
+    words.extend(start.map(|from| line[from..].trim_end()));
+    words
+}
+
 /// The table with its remarks blanked out, how many there are, and the last one above the numbers.
 fn without_remarks(bytes: &[u8]) -> (Cow<'_, [u8]>, usize, Option<String>) {
-    let is_remark = |line: &[u8]| matches!(line.trim_ascii_start().first(), Some(b'#' | b'%'));
     if !bytes.split(|&byte| byte == b'\n').any(is_remark) {
         return (Cow::Borrowed(bytes), 0, None);
     }
@@ -190,27 +231,36 @@ fn separator(bytes: &[u8]) -> Separator {
 fn tabbed(bytes: &[u8]) -> Vec<u8> {
     let mut text = Vec::with_capacity(bytes.len());
     for line in bytes.split(|&byte| byte == b'\n') {
-        let cells = line.split(u8::is_ascii_whitespace).filter(|cell| !cell.is_empty());
-        for (index, cell) in cells.enumerate() {
-            if index > 0 {
-                text.push(b'\t');
-            }
-            text.extend_from_slice(cell);
-        }
+        text.extend(tabbed_line(line));
         text.push(b'\n');
     }
     text
 }
 
-/// Whether the first number with a decimal mark has a comma there.
+/// Blanks between the columns of a line as one tab each. What is no UTF-8 is left for the reader to
+/// refuse.
+pub(super) fn tabbed_line(line: &[u8]) -> Vec<u8> {
+    match std::str::from_utf8(line) {
+        Ok(line) => words(line).join("\t").into_bytes(),
+        Err(_) => line.to_owned(),
+    }
+}
+
+/// Whether the first number with a decimal mark has a comma there. Between commas a number such as
+/// `"1,234"` may be one of thousands, and says nothing.
 fn has_decimal_commas(bytes: &[u8], separator: Separator) -> bool {
     let shown = if separator == Separator::Blanks { Separator::Tab } else { separator };
     for line in lines(bytes).take(LOOKED_AT) {
-        for cell in shown.split(&line).map(|cell| cell.trim().trim_matches('"')) {
+        for cell in shown.split(&line).into_iter().map(|cell| cell.trim().trim_matches('"')) {
             if cell.contains('.') && is_number(cell, false) {
                 return false;
             }
-            if cell.contains(',') && is_number(cell, true) {
+            let thousands = || {
+                let (whole, part) = cell.split_once(',').unwrap_or_default();
+                part.len() == 3 && whole.trim_start_matches('-') != "0"
+            };
+            let tells = separator != Separator::Comma || !thousands();
+            if cell.contains(',') && is_number(cell, true) && tells {
                 return true;
             }
         }

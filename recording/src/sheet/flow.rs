@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 
-use super::dialect::{Dialect, Separator, number};
+use super::cells::is_blank;
+use super::dialect::{Dialect, Separator, is_remark, number, tabbed_line};
 use super::{Found, damaged};
 use crate::RecordingError;
 
@@ -54,6 +55,9 @@ impl Flow {
         if std::mem::take(&mut self.units) {
             read = self.reader.read_record(&mut self.record);
         }
+        while matches!(read, Ok(true)) && self.fields > 1 && is_blank(&self.record) {
+            read = self.reader.read_record(&mut self.record);
+        }
         if !read.map_err(|error| self.broken(&error))? {
             let path = self.path.clone();
             return if self.rows == 0 {
@@ -77,6 +81,7 @@ impl Flow {
                 path: self.path.clone(),
                 place: format!("line {line}"),
                 column: found.source.name.clone(),
+                expected: "a finite number",
                 found: cell.to_owned(),
             })?;
         }
@@ -120,12 +125,11 @@ impl PlainLines {
             let what = format!("a line is longer than {LONGEST_LINE} bytes");
             return Err(io::Error::new(io::ErrorKind::InvalidData, what));
         }
-        if matches!(self.line.trim_ascii_start().first(), Some(b'#' | b'%')) {
+        if is_remark(&self.line) {
             self.line.clear();
             self.line.push(b'\n');
         } else if self.blanks {
-            let words = self.line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
-            let mut line = words.collect::<Vec<_>>().join(&b'\t');
+            let mut line = tabbed_line(&self.line);
             if !self.line.is_empty() {
                 line.push(b'\n');
             }

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
+use super::encoding::{Encoding, decoded};
 use super::{Missing, Named, Sheet};
 use crate::RecordingError;
 use crate::column::Channel;
@@ -12,21 +13,22 @@ use crate::layout::Layout;
 /// What a table is read from.
 #[derive(Debug)]
 pub(in super::super) enum Loaded<'a> {
-    /// A text.
-    Text(Cow<'a, [u8]>),
+    /// A text, and how its characters were written.
+    Text(Cow<'a, [u8]>, Encoding),
     /// Columns of numbers.
     Grid(Grid),
 }
 
 impl<'a> From<&'a [u8]> for Loaded<'a> {
     fn from(bytes: &'a [u8]) -> Self {
-        Self::Text(Cow::Borrowed(bytes))
+        let (bytes, encoding) = decoded(Cow::Borrowed(bytes));
+        Self::Text(bytes, encoding)
     }
 }
 
 impl<'a, const N: usize> From<&'a [u8; N]> for Loaded<'a> {
     fn from(bytes: &'a [u8; N]) -> Self {
-        Self::Text(Cow::Borrowed(bytes))
+        bytes.as_slice().into()
     }
 }
 
@@ -48,7 +50,7 @@ pub(in super::super) fn load(
     for file in files.iter().chain(&layout.beside) {
         let grid = match one(file)? {
             Loaded::Grid(grid) => grid,
-            Loaded::Text(bytes) => of_text(file, &bytes)?,
+            text @ Loaded::Text(..) => of_text(file, &text)?,
         };
         let rows = grid.columns.first().map_or(0, |column| column.values.len());
         match &first {
@@ -80,8 +82,12 @@ pub(in super::super) fn load(
 fn one(path: &Path) -> Result<Loaded<'static>, RecordingError> {
     let bytes = files::input::table(path)
         .map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    grid::refuse_foreign(path, &bytes)?;
     match grid::form_of(&bytes) {
-        Form::Text => Ok(Loaded::Text(Cow::Owned(bytes))),
+        Form::Text => {
+            let (bytes, encoding) = decoded(Cow::Owned(bytes));
+            Ok(Loaded::Text(bytes, encoding))
+        }
         form => grid::read(path, form, &bytes).map(Loaded::Grid),
     }
 }
@@ -111,9 +117,8 @@ fn tables_of(folder: &Path) -> Result<Vec<PathBuf>, RecordingError> {
 
 /// The columns of a text of numbers. Where none of them says what it is, the file's name does: they
 /// are its joints.
-fn of_text(path: &Path, bytes: &[u8]) -> Result<Grid, RecordingError> {
-    let loaded = Loaded::Text(Cow::Borrowed(bytes));
-    let mut sheet = Sheet::open(path, &loaded, &Layout::default(), "t_s,position_m,force_N")?;
+fn of_text(path: &Path, text: &Loaded<'_>) -> Result<Grid, RecordingError> {
+    let mut sheet = Sheet::open(path, text, &Layout::default(), "t_s,position_m,force_N")?;
     let recognised = Channel::all().iter().any(|channel| sheet.has(*channel, None));
     let stem = grid::stem(path);
     let named = !sheet.dialect.headerless && recognised;
@@ -123,10 +128,10 @@ fn of_text(path: &Path, bytes: &[u8]) -> Result<Grid, RecordingError> {
     let several = sheet.columns.len() > 1;
     let column = |(name, values): (&Named, Vec<f64>)| {
         if named {
-            GridColumn { stem: name.full(), label: None, values }
+            GridColumn { stem: name.full(), label: None, unit: None, values }
         } else {
             let label = several.then(|| name.raw.clone());
-            GridColumn { stem: stem.clone(), label, values }
+            GridColumn { stem: stem.clone(), label, unit: None, values }
         }
     };
     Ok(Grid { form: Form::Joined, columns: columns.map(column).collect(), left_out: Vec::new() })

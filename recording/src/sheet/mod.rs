@@ -3,21 +3,25 @@
 //! How it is written is told from the text ([`Dialect`]) and can be shown. A row that is longer or
 //! shorter than the header is an error: values would stand under the wrong name.
 
+mod cells;
 mod dialect;
+mod encoding;
 mod flow;
 mod load;
 mod named;
+mod stamp;
 #[cfg(test)]
 mod tests;
 mod unit_row;
 
 use std::borrow::Cow;
+use std::cell::Cell;
 use std::io::Cursor;
 use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 
-use self::dialect::{Plain, number, plain};
+use self::dialect::{Plain, plain};
 use friction_ident::statistics::upper_median;
 
 use super::column::{Channel, axis_in};
@@ -27,6 +31,7 @@ use super::{AxisKind, ChannelSource, Column, RecordingError};
 use named::Named;
 
 pub use dialect::{Dialect, Separator};
+pub use encoding::Encoding;
 pub(super) use flow::Flow;
 pub(super) use load::{Loaded, has_tables, load};
 
@@ -41,6 +46,10 @@ pub(super) struct Found {
     pub assumed: bool,
     /// The unit as its name has it.
     pub written: Option<String>,
+    /// Whoever named it gave the factor.
+    pub scaled: bool,
+    /// It holds the time, which may be written as a date and a time of day.
+    pub clock: bool,
 }
 
 /// Longest usual step of a recording whose column of the time has no unit \[s\].
@@ -79,6 +88,19 @@ pub(super) struct Sheet<'a> {
     example: &'static str,
     body: Body<'a>,
     layout: Layout,
+    /// How the times that were read are written.
+    clock: Cell<Clock>,
+}
+
+/// How times are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Clock {
+    /// None was read.
+    Unread,
+    /// As numbers.
+    Numbers,
+    /// As dates or times of day; the first one \[ns\].
+    Stamps(i64),
 }
 
 /// What stands below the names.
@@ -100,7 +122,11 @@ impl<'a> Sheet<'a> {
         example: &'static str,
     ) -> Result<Self, RecordingError> {
         let sheet = match loaded {
-            Loaded::Text(bytes) => Self::text(path, bytes, layout, example)?,
+            Loaded::Text(bytes, encoding) => {
+                let mut sheet = Self::text(path, bytes, layout, example)?;
+                sheet.dialect.encoding = *encoding;
+                sheet
+            }
             Loaded::Grid(grid) => {
                 let columns: Vec<Named> = Named::of_grid(&grid.columns);
                 Self {
@@ -111,6 +137,7 @@ impl<'a> Sheet<'a> {
                     example,
                     body: Body::Grid(grid),
                     layout: layout.clone(),
+                    clock: Cell::new(Clock::Unread),
                 }
             }
         };
@@ -153,7 +180,13 @@ impl<'a> Sheet<'a> {
             None if dialect.headerless => {
                 ((1..=first.len()).map(|number| number.to_string()).collect(), Some(first))
             }
-            None => (first.iter().map(str::to_owned).collect::<Vec<_>>(), None),
+            None => {
+                let name = |(index, name): (usize, &str)| match name {
+                    "" => (index + 1).to_string(),
+                    name => name.to_owned(),
+                };
+                (first.iter().enumerate().map(name).collect::<Vec<_>>(), None)
+            }
         };
         let mut units = None;
         if first.is_none() {
@@ -167,7 +200,8 @@ impl<'a> Sheet<'a> {
         let columns = Named::of_text(&names, units.as_deref(), layout.joint.is_some());
         let names = columns.iter().map(Named::full).collect();
         let body = Body::Text { reader: Box::new(reader), first };
-        Ok(Self { path, names, columns, dialect, example, body, layout: layout.clone() })
+        let (layout, clock) = (layout.clone(), Cell::new(Clock::Unread));
+        Ok(Self { path, names, columns, dialect, example, body, layout, clock })
     }
 
     /// The column of a channel, which must be there.
@@ -230,8 +264,7 @@ impl<'a> Sheet<'a> {
                 let same = || indices.iter().zip(&stems).filter(|(_, stem)| *stem == name);
                 let count = same().count();
                 if count > 1 {
-                    let (path, name) = (self.path.into(), name.to_owned());
-                    return Err(RecordingError::Ambiguous { path, name, count });
+                    return Err(self.ambiguous(name, &same().map(|(k, _)| *k).collect::<Vec<_>>()));
                 }
                 Ok(same().map(|(index, _)| *index).next())
             };
@@ -275,8 +308,7 @@ impl<'a> Sheet<'a> {
             called = self.places(&full);
         }
         if called.len() > 1 {
-            let (path, name, count) = (self.path.into(), name.to_owned(), called.len());
-            return Err(RecordingError::Ambiguous { path, name, count });
+            return Err(self.ambiguous(name, &called));
         }
         let by_number = || {
             let number: usize = name.parse().ok()?;
@@ -285,6 +317,25 @@ impl<'a> Sheet<'a> {
         let index = called.first().copied().or_else(by_number);
         let Some(index) = index else { return Err(self.no_column(channel, name)) };
         self.found(channel, index, scale)
+    }
+
+    /// The error of several columns with one name. They are told apart by what the file calls them,
+    /// else by their numbers.
+    fn ambiguous(&self, name: &str, places: &[usize]) -> RecordingError {
+        let full: Vec<&str> = places.iter().map(|&k| self.columns[k].raw.as_str()).collect();
+        let apart = full.iter().enumerate().all(|(k, one)| !full[..k].contains(one));
+        let present = if apart {
+            full.join(", ")
+        } else {
+            let numbers: Vec<String> = places.iter().map(|k| (k + 1).to_string()).collect();
+            format!("number {}, counted from 1", numbers.join(" and "))
+        };
+        RecordingError::Ambiguous {
+            path: self.path.into(),
+            name: name.to_owned(),
+            count: places.len(),
+            present,
+        }
     }
 
     fn places(&self, is: &dyn Fn(&Named) -> bool) -> Vec<usize> {
@@ -312,16 +363,19 @@ impl<'a> Sheet<'a> {
             }
         };
         let axis = unit.and_then(|unit| unit.quantity.axis()).or_else(|| axis_in(stem));
-        let assumed = scale.is_none() && unit.is_none();
+        let (assumed, scaled) = (scale.is_none() && unit.is_none(), scale.is_some());
         let scale = scale.or(unit.map(|unit| unit.factor)).unwrap_or(1.0);
         let written = unit.and(super::units::parts(stem).unit).map(str::to_owned);
-        Ok(Found { index, source: ChannelSource { name: called, scale }, axis, assumed, written })
+        let (source, clock) = (ChannelSource { name: called, scale }, channel == Channel::Time);
+        Ok(Found { index, source, axis, assumed, written, scaled, clock })
     }
 
     /// A column as it is written.
     fn raw(&self, index: usize) -> Found {
         let source = ChannelSource { name: self.names[index].clone(), scale: 1.0 };
-        Found { index, source, axis: None, assumed: true, written: None }
+        let stem = self.columns[index].stem.clone();
+        let clock = Channel::Time.recognise(&[stem]).is_some();
+        Found { index, source, axis: None, assumed: true, written: None, scaled: false, clock }
     }
 
     /// What was left out of the file, with why.
@@ -330,6 +384,22 @@ impl<'a> Sheet<'a> {
             Body::Grid(grid) => &grid.left_out,
             Body::Text { .. } => &[],
         }
+    }
+
+    /// Refuses a motion along a line beside a torque, and a turn beside a force, where both say
+    /// their unit: what comes of that has the unit of neither.
+    pub(super) fn check_axis(&self, motion: &Found, force: &Found) -> Result<(), RecordingError> {
+        let said = |found: &Found| found.axis.filter(|_| found.written.is_some() && !found.scaled);
+        let (Some(one), Some(other)) = (said(motion), said(force)) else { return Ok(()) };
+        if one == other {
+            return Ok(());
+        }
+        Err(RecordingError::TwoAxes {
+            path: self.path.into(),
+            motion: motion.source.name.clone(),
+            force: force.source.name.clone(),
+            unit: one.force_unit(),
+        })
     }
 
     /// The column of the time; none where the rows come at a period that was given.
@@ -356,7 +426,8 @@ impl<'a> Sheet<'a> {
     /// since the epoch, or the number of the sample.
     pub(super) fn check_seconds(&self, found: &Found, time: &[f64]) -> Result<(), RecordingError> {
         let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let usual = upper_median(&mut steps).filter(|step| found.assumed && *step > LONGEST_STEP);
+        let told = !found.assumed || matches!(self.clock.get(), Clock::Stamps(_));
+        let usual = upper_median(&mut steps).filter(|step| !told && *step > LONGEST_STEP);
         let Some(step) = usual else { return Ok(()) };
         let scale = [1e-3, 1e-6].into_iter().find(|scale| step * scale <= LONGEST_STEP);
         Err(RecordingError::TimeUnit {
@@ -391,167 +462,22 @@ impl<'a> Sheet<'a> {
         if self.dialect.headerless {
             return self.no_header();
         }
-        RecordingError::Unrecognised {
-            path: self.path.into(),
-            channel,
-            present: self.names.join(", "),
-        }
+        RecordingError::Unrecognised { path: self.path.into(), channel, present: self.present() }
     }
 
-    /// Reads the columns of all rows; one row at least.
-    pub(super) fn columns(
-        &mut self,
-        wanted: &[&Found],
-        missing: Missing,
-    ) -> Result<Cells, RecordingError> {
-        let mut read = Cells {
-            values: vec![Vec::new(); wanted.len()],
-            lines: Vec::new(),
-            rows: Vec::new(),
-            blank: 0,
-        };
-        let mut without = vec![0usize; wanted.len()];
-        let mut row = vec![0.0; wanted.len()];
-        let mut record = StringRecord::new();
-        for count in 0.. {
-            let Some(line) = self.next_row(&mut record, count)? else { break };
-            let mut whole = true;
-            for ((value, found), without) in row.iter_mut().zip(wanted).zip(&mut without) {
-                match self.value(&record, line, count, found, missing)? {
-                    Some(number) => *value = number,
-                    None => {
-                        *without += 1;
-                        whole = false;
-                    }
-                }
-            }
-            if whole {
-                read.lines.push(line);
-                read.rows.push(count);
-                read.values.iter_mut().zip(&row).for_each(|(column, value)| column.push(*value));
-            } else {
-                read.blank += 1;
-            }
-        }
-        let rows = read.lines.len() + read.blank;
-        if rows == 0 {
-            return Err(RecordingError::HeaderOnly { path: self.path.into() });
-        }
-        if read.lines.is_empty() {
-            let fullest = |(found, without): (&&Found, &usize)| {
-                (*without == rows).then(|| found.source.name.clone())
-            };
-            let column = wanted.iter().zip(&without).find_map(fullest);
-            return Err(RecordingError::NoValues { path: self.path.into(), column, rows });
-        }
-        Ok(read)
-    }
-
-    /// Reads the next row, and tells its line; none behind the last one.
-    fn next_row(
-        &mut self,
-        record: &mut StringRecord,
-        count: u64,
-    ) -> Result<Option<u64>, RecordingError> {
-        match &mut self.body {
-            Body::Text { reader, first } => {
-                match first.take() {
-                    Some(first) => *record = first,
-                    None => {
-                        if !reader
-                            .read_record(record)
-                            .map_err(|error| damaged(self.path, &error))?
-                        {
-                            return Ok(None);
-                        }
-                    }
-                }
-                self.line_of(record).map(Some)
-            }
-            Body::Grid(grid) => {
-                let rows = grid.columns.first().map_or(0, |column| column.values.len());
-                Ok((count < rows as u64).then_some(count + 1))
+    /// The names of the columns, and what of the file is none.
+    fn present(&self) -> String {
+        /// What is told of it at most.
+        const TOLD: usize = 3;
+        let names = self.names.join(", ");
+        match self.left_out() {
+            [] => names,
+            left_out => {
+                let told: Vec<&str> = left_out.iter().take(TOLD).map(String::as_str).collect();
+                format!("{names} ({})", told.join("; "))
             }
         }
     }
-
-    /// Where a line stands, in words.
-    pub(super) fn place(&self, line: u64) -> String {
-        self.dialect.place(line)
-    }
-
-    /// The line of a row of text, once it has as many fields as there are names.
-    fn line_of(&self, record: &StringRecord) -> Result<u64, RecordingError> {
-        let line = record.position().map_or(0, csv::Position::line);
-        let (fields, names) = (record.len(), self.names.len());
-        if fields == names {
-            return Ok(line);
-        }
-        let commas = if fields > names && self.dialect.separator == Separator::Comma {
-            "; where decimals are written with a comma, columns must be separated by semicolons or tabs"
-        } else {
-            ""
-        };
-        let what = if self.dialect.headerless { "first row" } else { "header" };
-        let detail = format!("it has {fields} fields where the {what} has {names}{commas}");
-        Err(RecordingError::Line { path: self.path.into(), line, detail })
-    }
-
-    /// The value of a cell in SI units; none where there is none.
-    fn value(
-        &self,
-        record: &StringRecord,
-        line: u64,
-        row: u64,
-        found: &Found,
-        missing: Missing,
-    ) -> Result<Option<f64>, RecordingError> {
-        let Body::Grid(grid) = self.body else {
-            return self.number(record, line, found, missing);
-        };
-        let column = grid.columns.get(found.index).map(|column| &column.values);
-        let written = usize::try_from(row).ok().and_then(|row| column?.get(row).copied());
-        let written = written.unwrap_or(f64::NAN);
-        match written * found.source.scale {
-            value if value.is_finite() => Ok(Some(value)),
-            value if value.is_nan() && missing == Missing::LeftOut => Ok(None),
-            _ => Err(RecordingError::Cell {
-                path: self.path.into(),
-                place: self.place(line),
-                column: found.source.name.clone(),
-                found: written.to_string(),
-            }),
-        }
-    }
-
-    /// The value of a cell in SI units; none where there is none.
-    fn number(
-        &self,
-        record: &StringRecord,
-        line: u64,
-        found: &Found,
-        missing: Missing,
-    ) -> Result<Option<f64>, RecordingError> {
-        let cell = record.get(found.index).unwrap_or_default();
-        match number(cell, self.dialect.decimal_comma).map(|value| value * found.source.scale) {
-            Some(value) if value.is_finite() => Ok(Some(value)),
-            _ if missing == Missing::LeftOut && is_missing(cell) => Ok(None),
-            _ if missing == Missing::AsNan => Ok(Some(f64::NAN)),
-            _ => Err(RecordingError::Cell {
-                path: self.path.into(),
-                place: self.place(line),
-                column: found.source.name.clone(),
-                found: cell.to_owned(),
-            }),
-        }
-    }
-}
-
-/// What people and programs write where there is no value.
-fn is_missing(cell: &str) -> bool {
-    ["", "nan", "-nan", "na", "n/a", "null", "none", "-"]
-        .iter()
-        .any(|word| cell.eq_ignore_ascii_case(word))
 }
 
 fn damaged(path: &Path, error: &csv::Error) -> RecordingError {

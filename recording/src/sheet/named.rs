@@ -13,7 +13,7 @@ pub(super) struct Named {
     pub stem: String,
     /// The joint that it belongs to, where a name stands for several.
     pub label: Option<String>,
-    /// The unit that stands below the name.
+    /// The unit that stands below the name, or that the file says apart from it.
     unit: Option<String>,
 }
 
@@ -21,11 +21,14 @@ impl Named {
     /// The columns of what is no text.
     pub(super) fn of_grid(columns: &[GridColumn]) -> Vec<Self> {
         let plain: Vec<&str> = columns.iter().map(|column| own(&column.stem)).collect();
-        columns.iter().map(|column| Self::of_column(column, &plain)).collect()
+        let mut named: Vec<Self> =
+            columns.iter().map(|column| Self::of_column(column, &plain)).collect();
+        told_apart(&mut named);
+        named
     }
 
     fn of_column(column: &GridColumn, plain: &[&str]) -> Self {
-        let GridColumn { stem, label, .. } = column;
+        let GridColumn { stem, label, unit, .. } = column;
         let own = own(stem);
         let raw = match label {
             Some(label) => format!("{stem}[{label}]"),
@@ -37,7 +40,13 @@ impl Named {
             Some((stem, number)) => (stem, Some(number)),
             None => (own.to_owned(), label.clone()),
         };
-        Self { raw, stem, label, unit: None }
+        // What the file says itself is true of its numbers, whatever the name says.
+        let unit = unit.clone();
+        let stem = match &unit {
+            Some(unit) => format!("{} [{unit}]", units::parts(&stem).stem),
+            None => stem,
+        };
+        Self { raw, stem, label, unit }
     }
 
     /// Names of a text, with the units below them. Where a `joint` is asked for, or several names
@@ -65,10 +74,12 @@ impl Named {
             };
             Self { raw: name.clone(), stem, label, unit }
         };
-        names.iter().enumerate().map(one).collect()
+        let mut named: Vec<Self> = names.iter().enumerate().map(one).collect();
+        told_apart(&mut named);
+        named
     }
 
-    /// The name with the unit below it.
+    /// The name with the unit below it, or apart from it.
     pub(super) fn full(&self) -> String {
         match &self.unit {
             Some(unit) => format!("{} [{unit}]", self.raw),
@@ -76,7 +87,7 @@ impl Named {
         }
     }
 
-    /// The name without the joint and without the unit below it.
+    /// The name without the joint and without the unit apart from it.
     pub(super) fn bare(&self) -> &str {
         match &self.unit {
             Some(_) => self.stem.rsplit_once(" [").map_or(self.stem.as_str(), |(bare, _)| bare),
@@ -88,6 +99,28 @@ impl Named {
                 Some(bare) => bare,
                 None => &self.stem,
             },
+        }
+    }
+}
+
+/// Takes the unit from names such as `i_a` beside `i_b`, which are two phases, and `q_m` beside
+/// `q_l`, a motor and its load: a letter that tells columns apart is no unit.
+fn told_apart(columns: &mut [Named]) {
+    /// Letters that are the unit of something else beside it, as `force_V` is beside `force_N`.
+    const UNITS: [&str; 5] = ["N", "V", "A", "m", "s"];
+    let parts = |name: &Named| {
+        let (stem, last) = name.stem.rsplit_once('_')?;
+        let letter = last.len() == 1 && last.bytes().all(|byte| byte.is_ascii_alphabetic());
+        letter.then(|| (stem.to_owned(), last.to_owned()))
+    };
+    let all: Vec<_> = columns.iter().map(parts).collect();
+    for (column, own) in columns.iter_mut().zip(&all) {
+        let Some((stem, last)) = own else { continue };
+        let sibling = all.iter().flatten().any(|(other_stem, other)| {
+            stem == other_stem && last != other && !UNITS.contains(&other.as_str())
+        });
+        if sibling && units::unit_of(last).is_some() {
+            column.stem = format!("{stem}{last}");
         }
     }
 }

@@ -99,3 +99,130 @@ fn a_period_beside_a_time_is_refused() {
     let said = table::read(&path, &of_joint(Some("3"), None), 0.05).unwrap_err().to_string();
     assert!(said.contains("none, as no column"), "{said}");
 }
+
+/// What `table::read` makes of bytes.
+fn read(bytes: &[u8]) -> Result<crate::Recording, RecordingError> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.csv");
+    std::fs::write(&path, bytes).unwrap();
+    table::read(&path, &Columns::default(), 0.05)
+}
+
+#[test]
+fn texts_of_spreadsheets_and_of_measuring_programs_are_read() {
+    let text = "t,q [°],tau\n0,180,1\n0.01,90,2\n0.02,0,3\n";
+    let utf16 = |order: fn(u16) -> [u8; 2], mark: bool| -> Vec<u8> {
+        let mark = mark.then_some(0xfeff);
+        mark.into_iter().chain(text.encode_utf16()).flat_map(order).collect()
+    };
+    let latin: Vec<u8> = text.chars().map(|c| c as u8).collect();
+    for bytes in [
+        text.as_bytes().to_vec(),
+        latin,
+        utf16(u16::to_le_bytes, true),
+        utf16(u16::to_be_bytes, true),
+        utf16(u16::to_le_bytes, false),
+    ] {
+        let found = read(&bytes).unwrap();
+        assert!((found.position.unwrap()[0] - std::f64::consts::PI).abs() < 1e-12);
+        assert_eq!(found.force, [1.0, 2.0, 3.0]);
+    }
+    // Bytes of control are no text in any code page.
+    let said = read(b"t,q,tau\n0,1,\xff\x01\n").unwrap_err().to_string();
+    assert!(said.contains("UTF-8"), "{said}");
+}
+
+#[test]
+fn times_written_as_dates_are_read() {
+    let text = |stamp: &dyn Fn(u32) -> String| {
+        let rows = (0..40).map(|k| format!("{},{k},1\n", stamp(k)));
+        format!("time,q,tau\n{}", rows.collect::<String>())
+    };
+    let day = |k: u32| format!("2024-03-01T12:00:59.{:03}Z", 900 + k);
+    let found = read(text(&day).as_bytes()).unwrap();
+    assert!((found.time_step - 1e-3).abs() < 1e-9, "{}", found.time_step);
+    // A second apart they are seconds, as their form says.
+    let slow = |k: u32| format!("12:00:{k:02}");
+    assert!((read(text(&slow).as_bytes()).unwrap().time_step - 1.0).abs() < 1e-9);
+    for odd in ["01.03.2024 12:00:00", "0.5"] {
+        let mixed = |k: u32| if k == 20 { odd.to_owned() } else { day(k) };
+        let said = read(text(&mixed).as_bytes()).unwrap_err().to_string();
+        assert!(said.contains("line 22") && said.contains("2024-03-01T"), "{said}");
+    }
+}
+
+/// Two phases were taken for a current in amperes, a motor and its load for metres.
+#[test]
+fn a_letter_that_tells_columns_apart_is_no_unit() {
+    let said = |header: &str| {
+        let columns = Columns { measured: table::Measured::Current, ..Columns::default() };
+        let folder = tempfile::tempdir().unwrap();
+        let path =
+            written(folder.path(), "x.csv", &format!("{header}\n0,1,2,3\n0.1,2,3,4\n0.2,3,4,5\n"));
+        table::read(&path, &columns, 0.05)
+    };
+    assert_eq!(said("t,q,i_A,i_ref").unwrap().force, [2.0, 3.0, 4.0]);
+    let phases = said("t,q,i_a,i_b").unwrap_err().to_string();
+    assert!(phases.contains("recognised as the current"), "{phases}");
+    let two = said("t,q_m,q_l,i").unwrap_err().to_string();
+    assert!(two.contains("recognised as the position"), "{two}");
+    assert_eq!(said("t,q_m,q_ref,i").unwrap().position, Some(vec![1.0, 2.0, 3.0]));
+    assert!(said("t,q_rad,force_V,i").is_ok());
+}
+
+/// The inertia of a slide in metres moved by newton metres was shown in kilograms.
+#[test]
+fn a_motion_and_a_force_of_two_kinds_of_axis_are_refused() {
+    let read_as = |header: &str, force: Option<&str>| {
+        let folder = tempfile::tempdir().unwrap();
+        let path = written(folder.path(), "x.csv", &format!("{header}\n0,1,2\n0.1,2,3\n0.2,3,4\n"));
+        let force = force.map(|name| name.parse().unwrap());
+        table::read(&path, &Columns { force, ..Columns::default() }, 0.05)
+    };
+    for header in ["t,q [mm],tau [Nm]", "t,pos_deg,force_N"] {
+        let said = read_as(header, None).unwrap_err().to_string();
+        assert!(said.contains("two kinds of axis") && said.contains(":FACTOR"), "{said}");
+    }
+    let found = read_as("t,q [mm],tau [Nm]", Some("tau [Nm]:314")).unwrap();
+    assert_eq!((found.axis, found.force[0]), (Some(crate::AxisKind::Linear), 628.0));
+    assert!(read_as("t,q [mm],force [N]", None).is_ok());
+    assert!(read_as("t,q [mm],effort", None).is_ok());
+}
+
+#[test]
+fn tables_as_other_programs_write_them_are_read() {
+    let plain = read(b"t,q,tau\n0,1,2\n0.5,1.5,-3\n1,2,4\n").unwrap();
+    for text in [
+        "sep=;\nt;q;tau\n0;1;2\n0,5;1,5;-3\n1;2;4\n",
+        "t,q,tau\n0,1,2\n   \n0.5,1.5,-3\n\t\n1,2,4\n",
+        "t,q,tau\n\"0\",\"1\",\"2\"\n\"0,5\",\"1,5\",\"-3\"\n\"1\",\"2\",\"4\"\n",
+        "\"t\",\"q, motor\",\"q\",\"tau\"\n0,7,1,2\n0.5,7,1.5,-3\n1,7,2,4\n",
+        "t [s]  q [rad]  tau [N m]\n0.0  1  2\n0.5  1.5  -3\n1.0  2  4\n",
+        "# t [s]  q [rad]  tau [N m]\n0.0 1 2\n0.5 1.5 -3\n1.0 2 4\n",
+        ",t,q,tau\n0,0,1,2\n1,0.5,1.5,-3\n2,1,2,4\n",
+    ] {
+        let found = read(text.as_bytes()).unwrap_or_else(|error| panic!("{text:?}: {error}"));
+        assert_eq!((found.position, found.force), (plain.position.clone(), plain.force.clone()));
+    }
+}
+
+#[test]
+fn what_is_read_wrongly_elsewhere_is_refused_with_the_way_out() {
+    let rows = |line: &dyn Fn(u32) -> String| (0..40).map(|k| line(k)).collect::<String>();
+    let coarse = format!("t,q,tau\n{}", rows(&|k| format!("{},{k},1\n", k / 10)));
+    let thousands = format!("t,q,tau\n{}", rows(&|k| format!("{k},\"{},234\",1\n", k + 1)));
+    for (text, parts) in [
+        // Thousands were no decimals.
+        (thousands.as_str(), &["1,234"][..]),
+        ("t,q,q,tau\n0,1,2,3\n", &["2 columns named `q`", "number 2 and 3"]),
+        (&coarse, &["36 of the 40 times", "too coarsely"]),
+    ] {
+        let said = read(text.as_bytes()).unwrap_err().to_string();
+        assert!(parts.iter().all(|part| said.contains(part)), "{text:?}: {said}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = written(folder.path(), "x.csv", "Recorder,v2\nrig,3\nt,q,tau\n0,1,2\n");
+    let said = overview::look(&path, &Columns::default(), &JointChoice::default()).unwrap_err();
+    let said = said.to_string();
+    assert!(said.contains("line 3") && said.contains("begin each line above it with #"), "{said}");
+}

@@ -169,7 +169,11 @@ pub fn read(
             force: track.force,
         };
         let place = |index: usize| format!("message {} of {}", index + 1, track.topic);
-        return cut(path, &samples, Some(AxisKind::Rotary), how, place, |timing| timing);
+        let without = |mut timing: Timing| {
+            timing.irregularities = timing.irregularities.without(track.blank);
+            timing
+        };
+        return cut(path, &samples, Some(AxisKind::Rotary), how, place, without);
     }
     parse(path, load(path, &columns.layout)?, columns, how)
 }

@@ -37,6 +37,7 @@ pub(super) fn points(
     let mut sheet = Sheet::open(path, loaded, &columns.layout, EXAMPLE)?;
     let velocity = sheet.require(Channel::Velocity, columns.velocity.as_ref())?;
     let force = sheet.require(columns.measured.channel(), columns.force.as_ref())?;
+    sheet.check_axis(&velocity, &force)?;
     let deviation = sheet
         .names
         .iter()
@@ -47,6 +48,8 @@ pub(super) fn points(
             axis: None,
             assumed: false,
             written: None,
+            scaled: false,
+            clock: false,
         });
     let wanted: Vec<&Found> = [&velocity, &force].into_iter().chain(&deviation).collect();
     let Cells { values, blank, .. } = sheet.columns(&wanted, Missing::LeftOut)?;

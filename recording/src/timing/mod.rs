@@ -149,8 +149,8 @@ impl Timing {
     /// sample `i` stands, as in `line 17`.
     ///
     /// # Errors
-    /// [`RecordingError::TooShort`], [`RecordingError::TimeOrder`], [`RecordingError::Irregular`],
-    /// [`RecordingError::ResampleRate`].
+    /// [`RecordingError::TooShort`], [`RecordingError::TimeOrder`], [`RecordingError::CoarseTimes`],
+    /// [`RecordingError::Irregular`], [`RecordingError::ResampleRate`].
     pub fn of(
         path: &Path,
         time: &[f64],
@@ -174,8 +174,12 @@ impl Timing {
                 _ => kept.push(index),
             }
         }
-        let mut irregularities =
-            Irregularities { repeated: time.len() - kept.len(), ..Irregularities::default() };
+        let repeated = time.len() - kept.len();
+        if 2 * repeated > time.len() {
+            let (path, samples) = (path.into(), time.len());
+            return Err(RecordingError::CoarseTimes { path, repeated, samples });
+        }
+        let mut irregularities = Irregularities { repeated, ..Irregularities::default() };
         let times: Vec<f64> = kept.iter().map(|&index| time[index]).collect();
         let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
         if let Some(rate) = resample {

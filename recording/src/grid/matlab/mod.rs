@@ -103,7 +103,7 @@ fn variable(
             if values.len() != count {
                 return Err(format!("`{name}` has {} numbers, not {count}", values.len()));
             }
-            found.variables.push(Variable { name, rows, columns, values });
+            found.variables.push(Variable { name, unit: None, rows, columns, values });
         }
     }
     Ok(())

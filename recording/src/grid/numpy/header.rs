@@ -126,6 +126,22 @@ impl Words<'_> {
         Some(shape)
     }
 
+    /// What stands between a bracket and the one that closes it.
+    fn nested(&mut self) -> Option<()> {
+        self.mark("[")?;
+        let mut depth = 1usize;
+        let end = self.rest.find(|c: char| {
+            depth = match c {
+                '[' => depth + 1,
+                ']' => depth - 1,
+                _ => depth,
+            };
+            depth == 0
+        })?;
+        self.rest = &self.rest[end + 1..];
+        Some(())
+    }
+
     /// One type, or a list of named ones; none where it is damaged.
     fn types(&mut self) -> Option<Result<Vec<Field>, String>> {
         if let Some(text) = self.quoted() {
@@ -139,7 +155,14 @@ impl Words<'_> {
             self.mark("(")?;
             let name = self.quoted()?;
             self.mark(",")?;
-            let text = self.quoted()?;
+            let text = match self.quoted() {
+                Some(text) => text,
+                None => {
+                    self.nested()?;
+                    refused = Some(format!("field `{name}` has fields of its own"));
+                    "<f8".to_owned()
+                }
+            };
             let mut count = 1usize;
             if self.mark(",").is_some() {
                 count = self.shape()?.into_iter().try_fold(1usize, usize::checked_mul)?;

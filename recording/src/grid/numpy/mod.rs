@@ -68,7 +68,10 @@ pub(super) fn add(bytes: &[u8], name: String, found: &mut Contents) -> Result<()
             };
             data.get(index..index + kind.size)
         };
-        let first = at(0, 0).map_or(0, |cell| kind.integer(cell));
+        // Times count from the first one that is one.
+        let mut times = (0..rows).filter_map(|row| at(row, 0)).map(|cell| kind.integer(cell));
+        let first = if kind.time.is_some() { times.find(|time| *time != i64::MIN) } else { None };
+        let first = first.unwrap_or(0);
         let mut values = Vec::with_capacity(numbers);
         for column in 0..columns {
             values.extend(
@@ -77,7 +80,8 @@ pub(super) fn add(bytes: &[u8], name: String, found: &mut Contents) -> Result<()
         }
         offset += kind.size * count;
         let name = if named { field } else { name.clone() };
-        found.variables.push(Variable { name, rows, columns, values });
+        let unit = kind.time.map(|_| "s".to_owned());
+        found.variables.push(Variable { name, unit, rows, columns, values });
     }
     Ok(())
 }
