@@ -17,6 +17,9 @@ use work::progress::Progress;
 use work::saying::print;
 use work::{BadInput, Interrupted};
 
+/// Largest error of a step of Runge and Kutta where none is given.
+const TOLERANCE: f64 = 1e-6;
+
 /// How much of the motion is read before the progress says so [KiB].
 const TOLD_AT_ONCE: u64 = 64;
 
@@ -78,9 +81,9 @@ pub struct SimulateArgs {
     dt: f64,
 
     /// Largest error of a step with --scheme rk4, relative to the largest magnitude that each state
-    /// has had; a step that does not hold it is halved, up to 12 times.
-    #[arg(long, value_name = "SHARE", default_value = "1e-6", allow_negative_numbers = true)]
-    tolerance: f64,
+    /// has had; a step that does not hold it is halved, up to 12 times [default: 1e-6].
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    tolerance: Option<f64>,
 
     /// Let every level of the contact grow by C of itself for each N m (or N) in the column load_Nm
     /// (or load_N) of the motion; the viscous part does not depend on the load.
@@ -98,10 +101,15 @@ pub struct SimulateArgs {
 /// [`BadInput`] for whatever is wrong with the files or the options, [`Interrupted`] after ctrl-C;
 /// no file is written then. Standard output, a pipe or a device has what was done before.
 pub fn execute(args: &SimulateArgs) -> anyhow::Result<()> {
+    if let (Some(_), true) = (args.tolerance, args.scheme != Scheme::Rk4) {
+        let why = "--tolerance speaks of the steps of --scheme rk4; add that or leave it out";
+        return Err(BadInput(why.to_owned()).into());
+    }
     let model = model(args)?;
     let mut motion = trajectory::open(&args.velocity)?;
     let out = destination(args)?;
-    let SimulateArgs { scheme, dt, tolerance, load_gain, .. } = *args;
+    let SimulateArgs { scheme, dt, load_gain, .. } = *args;
+    let tolerance = args.tolerance.unwrap_or(TOLERANCE);
     let settings = Settings { scheme, dt, tolerance, load_gain };
     let cancel = interruption::watch(interruption::DRIVING)?;
     let length = fs::metadata(&args.velocity).map_or(0, |file| file.len());
@@ -147,24 +155,24 @@ pub fn execute(args: &SimulateArgs) -> anyhow::Result<()> {
     }
     let (title, rows, path) = (model.name().title(), done.rows, out.name());
     let duration = span.map_or(0.0, |(first, last)| last - first);
-    let what = said(args, &done);
+    let what = said(args, tolerance, &done);
     print(&format!(
         "{title} along {duration:.6} s of motion: {rows} rows written to {path}\n{what}"
     ))
 }
 
 /// What the reader of the result should know of how it was made.
-fn said(args: &SimulateArgs, done: &Done) -> String {
+fn said(args: &SimulateArgs, tolerance: f64, done: &Done) -> String {
     let mut said = String::new();
     let halvings = done.halvings;
     if args.scheme == Scheme::Rk4 {
         let shortest = args.dt / 2f64.powi(halvings.most.cast_signed());
         said = match halvings.halved {
-            0 => format!("every step held the tolerance of {}\n", args.tolerance),
+            0 => format!("every step held the tolerance of {tolerance}\n"),
             times => format!(
-                "{times} times a step was halved to hold the tolerance of {}: {} steps were taken, \
-                 the shortest of about {shortest:.1e} s\n",
-                args.tolerance, halvings.taken
+                "{times} times a step was halved to hold the tolerance of {tolerance}: {} steps were \
+                 taken, the shortest of about {shortest:.1e} s\n",
+                halvings.taken
             ),
         };
     }

@@ -333,4 +333,6 @@ fn a_step_that_is_too_long_is_halved_and_told() {
         assert!((forces[2] - 1.0).abs() < 1e-6 * largest, "{scheme}: {forces:?}");
     }
     desk.refused(&[&with("rk4")[..], &["--tolerance", "2"]].concat(), &["--tolerance", "2"]);
+    let idle = [&with("mean")[..], &["--tolerance", "1e-9"]].concat();
+    desk.refused(&idle, &["--tolerance", "--scheme rk4"]);
 }

@@ -38,9 +38,9 @@ pub struct FrictionArgs {
     #[arg(long, help_heading = "Friction models")]
     asymmetric: bool,
 
-    /// Elements of the models that have any (GMS, Xiong).
-    #[arg(long, value_name = "N", default_value_t = 4, help_heading = "Friction models")]
-    elements: usize,
+    /// Elements of the models that have any (GMS, Xiong) [default: 4].
+    #[arg(long, value_name = "N", help_heading = "Friction models")]
+    elements: Option<usize>,
 
     /// Inertia that moves on the bristles [kg or kg m^2] and its standard error, as in
     /// 0.0026:0.00003. The micro-damping is then computed from it; --torque-source other than
@@ -49,15 +49,9 @@ pub struct FrictionArgs {
     #[arg(long, value_name = "J[:SE]", value_parser = inertia, allow_negative_numbers = true, help_heading = "Friction models")]
     inertia: Option<Inertia>,
 
-    /// Damping ratio from which the micro-damping is computed.
-    #[arg(
-        long,
-        value_name = "Z",
-        default_value_t = 0.7,
-        allow_negative_numbers = true,
-        help_heading = "Friction models"
-    )]
-    damping_ratio: f64,
+    /// Damping ratio from which the micro-damping is computed, with the inertia [default: 0.7].
+    #[arg(long, value_name = "Z", allow_negative_numbers = true, help_heading = "Friction models")]
+    damping_ratio: Option<f64>,
 
     /// Leave out the refinement of all parameters together over all recordings.
     #[arg(long, help_heading = "Friction models")]
@@ -78,19 +72,13 @@ pub struct FrictionArgs {
     torque_source: Option<SourceChoice>,
 
     /// Standard errors of the drive's constants in percent: torque constant, armature resistance,
-    /// inertia (where --inertia has none).
-    #[arg(
-        long,
-        value_name = "K,R,J",
-        value_delimiter = ',',
-        default_value = "1,2,2",
-        help_heading = "Friction models"
-    )]
-    drive_errors: Vec<f64>,
+    /// inertia (where --inertia has none) [default: 1,2,2].
+    #[arg(long, value_name = "K,R,J", value_delimiter = ',', help_heading = "Friction models")]
+    drive_errors: Option<Vec<f64>>,
 
-    /// How the motion is smoothed; the friction never is.
-    #[arg(long, value_enum, default_value_t, help_heading = "Friction models")]
-    smooth: Smoothing,
+    /// How the motion is smoothed; the friction never is [default: sg].
+    #[arg(long, value_enum, help_heading = "Friction models")]
+    smooth: Option<Smoothing>,
 
     /// Replace samples that cannot be true (Hampel identifier), and list them.
     #[arg(long, help_heading = "Friction models")]
@@ -270,12 +258,7 @@ fn read(
 
 fn preparation(args: &IdentifyArgs) -> Result<Preparation, BadInput> {
     let friction = &args.friction;
-    let choice = match friction.torque_source {
-        None if args.torque_from_voltage => Some(SourceChoice::Voltage),
-        None if args.effort == Some(Effort::Driving) => Some(SourceChoice::Driving),
-        other => other,
-    };
-    let torque = match choice {
+    let torque = match args.source() {
         None | Some(SourceChoice::Sensor) => TorqueSource::Sensor,
         Some(SourceChoice::Driving) => TorqueSource::Driving,
         Some(SourceChoice::Voltage) => TorqueSource::Voltage,
@@ -300,9 +283,9 @@ fn preparation(args: &IdentifyArgs) -> Result<Preparation, BadInput> {
         ));
     }
     Ok(Preparation {
-        smoothing: friction.smooth,
+        smoothing: friction.smooth.unwrap_or_default(),
         cutoff: args.cutoff,
-        order: args.order,
+        order: args.order.unwrap_or(super::ORDER),
         decimate: args.decimate.unwrap_or(1),
         outliers: friction.outliers.then(Hampel::default),
         torque,
@@ -316,7 +299,8 @@ fn preparation(args: &IdentifyArgs) -> Result<Preparation, BadInput> {
 /// The drive as far as it is known: from `--drive` or the options, with the standard errors of
 /// `--drive-errors`.
 fn drive_constants(args: &IdentifyArgs, source: TorqueSource) -> Result<DriveConstants, BadInput> {
-    let [k, r, j] = drive_errors::fractions(&args.friction.drive_errors)?;
+    let percentages = args.friction.drive_errors.as_deref().unwrap_or(&[1.0, 2.0, 2.0]);
+    let [k, r, j] = drive_errors::fractions(percentages)?;
     let file = super::drive_file(args)?;
     let inertia = match (args.friction.inertia, file) {
         (Some(Inertia { value, standard_error: Some(standard_error) }), _) => {
@@ -364,16 +348,21 @@ fn settings(
     if models.is_empty() {
         models = USUAL.to_vec();
     }
-    if !(1..=16).contains(&friction.elements) {
-        return Err(BadInput(format!(
-            "--elements must lie between 1 and 16, but is {}",
-            friction.elements
-        )));
+    let elements = friction.elements.unwrap_or(4);
+    if !(1..=16).contains(&elements) {
+        return Err(BadInput(format!("--elements must lie between 1 and 16, but is {elements}")));
     }
-    if !(friction.damping_ratio > 0.0 && friction.damping_ratio <= 10.0) {
+    let has_elements = |name: &ModelName| matches!(name, ModelName::Gms | ModelName::Xiong);
+    if friction.elements.is_some() && !models.iter().any(has_elements) {
+        return Err(BadInput(
+            "--elements speaks of gms and xiong, but --model names neither; leave it out"
+                .to_owned(),
+        ));
+    }
+    let damping_ratio = friction.damping_ratio.unwrap_or(0.7);
+    if !(damping_ratio > 0.0 && damping_ratio <= 10.0) {
         return Err(BadInput(format!(
-            "--damping-ratio must lie above 0 and be at most 10, as in 0.7, but is {}",
-            friction.damping_ratio
+            "--damping-ratio must lie above 0 and be at most 10, as in 0.7, but is {damping_ratio}"
         )));
     }
     if let Some(reach) = friction.reach.filter(|reach| !(*reach > 0.0 && reach.is_finite())) {
@@ -389,14 +378,14 @@ fn settings(
         staged: StagedOptions {
             asymmetric: friction.asymmetric,
             joint: !friction.no_joint,
-            elements: friction.elements,
+            elements,
             inertia: preparation.drive.map(|drive| drive.inertia).or(friction.inertia.map(
                 |Inertia { value, standard_error }| Uncertain {
                     value,
                     standard_error: standard_error.unwrap_or(0.0),
                 },
             )),
-            damping_ratio: friction.damping_ratio,
+            damping_ratio,
             // The recordings decide.
             beside: LoadShape::NONE,
             output_error,
@@ -461,11 +450,15 @@ impl IdentifyArgs {
                     );
                 }
             }
-            return Ok(());
+            return self.check_friction_options();
         }
         for (option, given) in [
             ("--asymmetric", friction.asymmetric),
+            ("--elements", friction.elements.is_some()),
             ("--inertia", friction.inertia.is_some()),
+            ("--damping-ratio", friction.damping_ratio.is_some()),
+            ("--drive-errors", friction.drive_errors.is_some()),
+            ("--smooth", friction.smooth.is_some()),
             ("--no-joint", friction.no_joint),
             ("--reach", friction.reach.is_some()),
             ("--outliers", friction.outliers),
@@ -479,7 +472,83 @@ impl IdentifyArgs {
                 );
             }
         }
+        let motor = self.motor_options().next();
+        if let Some(option) = motor.filter(|_| !self.torque_from_voltage) {
+            return refuse(
+                option,
+                "speaks of the motor, which a force or torque does not need; add --torque-from-voltage or leave it out",
+            );
+        }
         Ok(())
+    }
+
+    /// The options that were given and speak of the motor.
+    fn motor_options(&self) -> impl Iterator<Item = &'static str> {
+        [
+            ("--drive", self.drive.is_some()),
+            ("--gear-ratio", self.gear_ratio.is_some()),
+            ("--motor-constant", self.motor_constant.is_some()),
+            ("--resistance", self.resistance.is_some()),
+        ]
+        .into_iter()
+        .filter_map(|(option, given)| given.then_some(option))
+    }
+
+    /// Refuses options that friction models have no use for as they are asked for.
+    fn check_friction_options(&self) -> Result<(), BadInput> {
+        let friction = &self.friction;
+        let refuse = |option: &str, why: &str| Err(BadInput(format!("{option} {why}")));
+        if self.trim.is_some() {
+            return refuse(
+                "--trim",
+                "speaks of recordings of a driving force, but these are identified as friction models; leave it out",
+            );
+        }
+        if friction.smooth != Some(Smoothing::Butterworth) {
+            for (option, given) in
+                [("--cutoff", self.cutoff.is_some()), ("--order", self.order.is_some())]
+            {
+                if given {
+                    return refuse(
+                        option,
+                        "speaks of a low-pass, which friction models have with --smooth butterworth alone; add that or leave it out",
+                    );
+                }
+            }
+        }
+        if friction.damping_ratio.is_some() && friction.inertia.is_none() && self.drive.is_none() {
+            return refuse(
+                "--damping-ratio",
+                "turns the inertia into micro-damping; add --inertia J:SE or leave it out",
+            );
+        }
+        let source = self.source();
+        let of_sensor = matches!(source, None | Some(SourceChoice::Sensor));
+        if of_sensor && friction.drive_errors.is_some() {
+            return refuse(
+                "--drive-errors",
+                "speaks of the drive, which friction from a sensor does not need; add --torque-source or leave it out",
+            );
+        }
+        // An inertia of a drive's file is used with a driving torque too.
+        let of_driving = source == Some(SourceChoice::Driving);
+        let idle = |option: &&str| of_sensor || of_driving && *option != "--drive";
+        if let Some(option) = self.motor_options().find(idle) {
+            return refuse(
+                option,
+                "speaks of the motor, which this source of the friction does not need; add --torque-source voltage or current, or leave it out",
+            );
+        }
+        Ok(())
+    }
+
+    /// Where the friction comes from, as the options say.
+    fn source(&self) -> Option<SourceChoice> {
+        match self.friction.torque_source {
+            None if self.torque_from_voltage => Some(SourceChoice::Voltage),
+            None if self.effort == Some(Effort::Driving) => Some(SourceChoice::Driving),
+            other => other,
+        }
     }
 
     /// The columns that were named.

@@ -94,9 +94,9 @@ pub struct IdentifyArgs {
     #[arg(long, value_name = "HZ", help_heading = "Conditioning", allow_negative_numbers = true)]
     pub cutoff: Option<f64>,
 
-    /// Order of the low-pass, 1 to 12.
-    #[arg(long, value_name = "N", default_value_t = 4, help_heading = "Conditioning")]
-    pub order: usize,
+    /// Order of the low-pass, 1 to 12 [default: 4].
+    #[arg(long, value_name = "N", help_heading = "Conditioning")]
+    pub order: Option<usize>,
 
     /// Keep one sample in N for the fit, after an anti-alias low-pass
     /// [default: sampling rate over cutoff].
@@ -162,18 +162,21 @@ pub struct IdentifyArgs {
     #[arg(long, help_heading = "Bag")]
     pub torque_from_voltage: bool,
 
-    /// Gear ratio A of the motor.
-    #[arg(long, value_name = "A", default_value_t = Motor::SRV02.gear_ratio, help_heading = "Bag")]
-    pub gear_ratio: f64,
+    /// Gear ratio A of the motor [default: 70].
+    #[arg(long, value_name = "A", help_heading = "Bag")]
+    pub gear_ratio: Option<f64>,
 
-    /// Torque constant Km of the motor [N m/A].
-    #[arg(long, value_name = "KM", default_value_t = Motor::SRV02.motor_constant, help_heading = "Bag")]
-    pub motor_constant: f64,
+    /// Torque constant Km of the motor [N m/A] [default: 0.00767].
+    #[arg(long, value_name = "KM", help_heading = "Bag")]
+    pub motor_constant: Option<f64>,
 
-    /// Armature resistance Ra of the motor [Ohm].
-    #[arg(long, value_name = "RA", default_value_t = Motor::SRV02.armature_resistance, help_heading = "Bag")]
-    pub resistance: f64,
+    /// Armature resistance Ra of the motor [Ohm] [default: 2.6].
+    #[arg(long, value_name = "RA", help_heading = "Bag")]
+    pub resistance: Option<f64>,
 }
+
+/// Order of the low-pass where none is given.
+pub const ORDER: usize = 4;
 
 /// The command that writes what a file given with `--drive` lacks.
 #[must_use]
@@ -199,9 +202,9 @@ pub fn drive_file(args: &IdentifyArgs) -> Result<Option<Motor>, BadInput> {
 /// The motor's constants, from the options or a drive's file.
 pub fn motor(args: &IdentifyArgs) -> Result<Motor, BadInput> {
     Ok(drive_file(args)?.unwrap_or(Motor {
-        gear_ratio: args.gear_ratio,
-        motor_constant: args.motor_constant,
-        armature_resistance: args.resistance,
+        gear_ratio: args.gear_ratio.unwrap_or(Motor::SRV02.gear_ratio),
+        motor_constant: args.motor_constant.unwrap_or(Motor::SRV02.motor_constant),
+        armature_resistance: args.resistance.unwrap_or(Motor::SRV02.armature_resistance),
         // What is read of a bag does not need it.
         ..Motor::SRV02
     }))
@@ -226,7 +229,7 @@ pub fn check(args: &IdentifyArgs) -> Result<(), BadInput> {
         ("--motor-constant", args.motor_constant),
         ("--resistance", args.resistance),
     ] {
-        if !(value > 0.0 && value.is_finite()) {
+        if let Some(value) = value.filter(|value| !(*value > 0.0 && value.is_finite())) {
             return Err(BadInput(format!(
                 "{option} must be a finite number above zero, but is {value}"
             )));
@@ -253,7 +256,7 @@ pub fn conditioning(args: &IdentifyArgs, recording: &Recording) -> Conditioning 
         };
     }
     Conditioning {
-        order: args.order,
+        order: args.order.unwrap_or(ORDER),
         trim: args.trim.unwrap_or(suits.trim),
         decimate: args.decimate.unwrap_or(suits.decimate),
         ..suits
