@@ -138,8 +138,11 @@ fn check(path: &Path, topic: &str, index: usize, state: &JointState) -> Result<(
     }
 }
 
+/// One value of a sample, where it has one.
+pub(super) type Field = fn(&JointSample) -> Option<f64>;
+
 /// Whether most of the samples have a value.
-pub(super) fn has(samples: &[JointSample], of: fn(&JointSample) -> Option<f64>) -> bool {
+pub(super) fn has(samples: &[JointSample], of: Field) -> bool {
     let there = samples.iter().filter(|sample| of(sample).is_some()).count();
     2 * there > samples.len()
 }

@@ -288,7 +288,7 @@ fn bag(path: &Path, choice: &JointChoice) -> Result<Overview, RecordingError> {
         return Ok(overview);
     }
     samples.sort_by_key(|sample| sample.stamp);
-    let fields: [(Channel, &str, fn(&joints::JointSample) -> Option<f64>); 3] = [
+    let fields: [(Channel, &str, joints::Field); 3] = [
         (Channel::Position, "position", |sample| sample.position),
         (Channel::Velocity, "velocity", |sample| sample.velocity),
         (Channel::Force, "effort", |sample| sample.effort),

@@ -122,7 +122,7 @@ fn of_joint(path: &Path, bag: &BagReader, choice: &JointChoice) -> Result<Track,
     // A bag is in the order of its log; what counts is when the sample was taken.
     samples.sort_by_key(|sample| sample.stamp);
     let topic = joints::topic(bag).to_owned();
-    let [position, velocity, force]: [fn(&joints::JointSample) -> Option<f64>; 3] =
+    let [position, velocity, force]: [joints::Field; 3] =
         [|sample| sample.position, |sample| sample.velocity, |sample| sample.effort];
     let (placed, moved) = (joints::has(&samples, position), joints::has(&samples, velocity));
     let drives = joints::has(&samples, force);
@@ -140,9 +140,7 @@ fn of_joint(path: &Path, bag: &BagReader, choice: &JointChoice) -> Result<Track,
             && (position(sample).is_some() || !placed)
             && (velocity(sample).is_some() || !moved)
     });
-    let of = |of: fn(&joints::JointSample) -> Option<f64>| -> Vec<f64> {
-        samples.iter().filter_map(of).collect()
-    };
+    let of = |of: joints::Field| -> Vec<f64> { samples.iter().filter_map(of).collect() };
     // A position that stands still beside a velocity was not measured.
     let position = Some(of(position)).filter(|_| placed);
     let stands = |position: &Vec<f64>| position.windows(2).all(|pair| pair[0] == pair[1]);

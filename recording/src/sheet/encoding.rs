@@ -46,7 +46,7 @@ pub(super) fn decoded(bytes: Cow<'_, [u8]>) -> (Cow<'_, [u8]>, Encoding) {
     }
     // What holds bytes of control is no text in any code page.
     let control = |byte: &u8| matches!(byte, 0..=8 | 14..=31 | 127);
-    if std::str::from_utf8(&bytes).is_err() && !bytes.iter().any(|byte| control(byte)) {
+    if std::str::from_utf8(&bytes).is_err() && !bytes.iter().any(control) {
         return (by(WINDOWS_1252), Encoding::Windows1252);
     }
     (bytes, Encoding::Utf8)

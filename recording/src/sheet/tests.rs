@@ -208,7 +208,7 @@ fn tables_as_other_programs_write_them_are_read() {
 
 #[test]
 fn what_is_read_wrongly_elsewhere_is_refused_with_the_way_out() {
-    let rows = |line: &dyn Fn(u32) -> String| (0..40).map(|k| line(k)).collect::<String>();
+    let rows = |line: &dyn Fn(u32) -> String| (0..40).map(line).collect::<String>();
     let coarse = format!("t,q,tau\n{}", rows(&|k| format!("{},{k},1\n", k / 10)));
     let thousands = format!("t,q,tau\n{}", rows(&|k| format!("{k},\"{},234\",1\n", k + 1)));
     for (text, parts) in [
