@@ -103,7 +103,7 @@ fn a_given_delay_is_that_of_the_goal() {
 /// Logs of different lengths, and candidates that differ in all that chooses another loop.
 #[test]
 fn a_candidate_has_the_error_that_it_has_alone() {
-    let mut raws = vec![raw(), raw(), raw()];
+    let mut raws = [raw(), raw(), raw()];
     raws[1].gain = 20.0;
     raws[1].mass = 4.0;
     for raw in &mut raws[2..] {
