@@ -543,6 +543,27 @@ mod tests {
         assert_eq!(whole.clone().moving(), (whole, 0.0));
     }
 
+    /// Of 5 kHz with a motion of a few hertz a fifth is left, at the same times and of the same size.
+    #[test]
+    fn a_coarser_recording_has_the_same_motion() {
+        let w = 2.0 * std::f64::consts::PI * 1.5;
+        let position: Vec<f64> = (0..20_000).map(|i| (w * f64::from(i) * 2e-4).sin()).collect();
+        let given = Signals { time_step: 2e-4, ..signals(&position, &position) };
+        let how = Conditioning { cutoff: 100.0, decimate: 100, ..HOW };
+        let fine = condition(&given, &how).unwrap();
+        let coarse = fine.clone().coarsened().unwrap();
+        let factor = (coarse.time_step / fine.time_step).round() as usize;
+        assert!(factor >= 4, "{factor}");
+        assert_eq!(coarse.decimate * factor, fine.decimate / factor * factor);
+        assert_eq!(coarse.velocity.len(), fine.velocity.len().div_ceil(factor));
+        assert_eq!(coarse.velocity[7], fine.velocity[7 * factor]);
+        let time = |of: &Conditioned| of.pieces[0].start + of.first as f64 * of.time_step;
+        assert!((time(&coarse) - time(&fine)).abs() < 1e-12);
+        for (a, b) in coarse.force.iter().zip(fine.force.iter().step_by(factor)) {
+            assert!((a - b).abs() < 0.01, "{a} {b}");
+        }
+    }
+
     #[test]
     fn the_default_at_one_kilohertz_is_that_of_the_benchmark() {
         assert_eq!(Conditioning::for_time_step(1e-3), HOW);

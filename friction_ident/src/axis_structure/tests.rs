@@ -250,3 +250,52 @@ fn a_weight_that_turns_with_the_axis_is_chosen_and_leaves_the_inertia_right() {
     let without = fit_structure(&recording, structure("symmetric"), &AxisUnits::ROTARY).unwrap();
     assert!((without.estimates.value("inertia").unwrap() * 6.0 / INERTIA - 1.0).abs() > 0.3);
 }
+
+/// A stranger's axis with rests: it stops while it is pushed one way, and goes on the same way or the
+/// other. Bristles began anew behind each rest.
+#[test]
+fn a_bristle_keeps_its_deflection_while_the_axis_rests() {
+    const REACH: f64 = 0.01;
+    let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(11);
+    let dt = 1e-3;
+    // Moves for a second, one way or the other by turns of two and three, and rests for a second.
+    let velocity = |k: usize| {
+        let (second, part) = (k / 1000, (k % 1000) as f64 * dt);
+        let way = if [0, 1, 3, 4, 6, 9].contains(&(second / 2 % 10)) { 1.0 } else { -1.0 };
+        if second % 2 == 0 { 0.3 * way * (std::f64::consts::PI * part).sin().powi(2) } else { 0.0 }
+    };
+    let n = 40_000;
+    let (mut place, mut force) = (Vec::with_capacity(n), Vec::with_capacity(n));
+    let (mut q, mut z) = (0.0, 1.0f64);
+    for k in 0..n {
+        let v = velocity(k);
+        let acceleration = (velocity(k + 1) - velocity(k.saturating_sub(1))) / (2.0 * dt);
+        z += (v - v.abs() * z) * dt / REACH;
+        place.push(q);
+        force.push(
+            2.0 * acceleration + 5.0 * z + 3.0 * v + 0.05 * rng.sample::<f64, _>(StandardNormal),
+        );
+        q += v * dt;
+    }
+    let signals = Signals { time_step: dt, position: Some(&place), velocity: None, force: &force };
+    let recording = condition(&signals, &Conditioning::for_time_step(dt)).unwrap();
+    let (moving, rest) = recording.moving();
+    assert!(rest > 10.0, "{rest}");
+    let fit =
+        fit_structure(&moving, structure("symmetric+presliding"), &AxisUnits::LINEAR).unwrap();
+    assert!(fit.relative_error < 2.0, "{}", fit.relative_error);
+    assert!((fit.estimates.value("f_c").unwrap() - 5.0).abs() < 0.1, "{:?}", fit.estimates);
+    assert!((fit.shape.displacement / REACH - 1.0).abs() < 0.05, "{:?}", fit.shape);
+}
+
+/// A wave in noise: each half finds another one.
+#[test]
+fn a_wave_of_one_half_alone_is_told() {
+    let recording = axis(coulomb, 0.0, 0.5);
+    let fit =
+        fit_structure(&recording, structure("symmetric+harmonic"), &AxisUnits::LINEAR).unwrap();
+    let (low, high) = fit.other_waves().unwrap();
+    assert!(low < high, "{low} {high}");
+    let without = fit_structure(&recording, structure("symmetric"), &AxisUnits::LINEAR).unwrap();
+    assert_eq!(without.other_waves(), None);
+}
