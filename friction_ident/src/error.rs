@@ -110,6 +110,11 @@ pub enum IdentError {
     /// The force is zero throughout, so that nothing can be explained.
     #[error("the force is zero in every sample; check that the force was recorded, and its unit")]
     ZeroForce,
+    /// The driving force is one and the same throughout, although the axis moves as it likes.
+    #[error(
+        "the driving force is {0} in every sample, while the motion changes: what drives the axis was not recorded; check which column the force is"
+    )]
+    ConstantForce(f64),
     /// The recording does not move in a way that shows these parameters.
     #[error("the recording cannot tell {} {}; record a motion that reverses, accelerates and runs at several speeds, or choose a simpler structure", names.join(", "), if names.len() > 1 { "apart" } else { "at all" })]
     Columns {

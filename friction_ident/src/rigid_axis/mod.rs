@@ -233,7 +233,7 @@ impl AxisFit {
 /// # Errors
 /// [`IdentError::NotExcited`] with the terms the motion does not show,
 /// [`IdentError::NegativeInertia`] where it is clearly below zero, [`IdentError::ZeroForce`],
-/// [`IdentError::TooFewSamples`].
+/// [`IdentError::ConstantForce`], [`IdentError::TooFewSamples`].
 pub fn fit_axis(recording: &Conditioned, model: AxisModel) -> Result<AxisFit, IdentError> {
     let fit = fit_axis_freely(recording, model)?;
     fit.possible()?;
@@ -249,6 +249,12 @@ pub fn fit_axis_freely(recording: &Conditioned, model: AxisModel) -> Result<Axis
     let terms = model.terms();
     if model.inertia && !accelerates(recording) {
         return Err(IdentError::NotExcited { terms: vec![AxisTerm::Inertia] });
+    }
+    if let (true, Some(&value)) = (model.inertia, recording.force.first())
+        && value != 0.0
+        && recording.force.iter().all(|force| *force == value)
+    {
+        return Err(IdentError::ConstantForce(value));
     }
     let regression = Regression::new(recording, model)?;
     let samples = regression.force.len();

@@ -187,6 +187,9 @@ fn impossible_outcomes_are_refused() {
     ));
     let idle = record(&motion(4000), |_, _| 0.0);
     assert_eq!(fit_axis(&idle, AxisModel::SYMMETRIC), Err(IdentError::ZeroForce));
+    // A stranger's file whose torque column never changes.
+    let constant = record(&motion(4000), |_, _| 0.7);
+    assert_eq!(fit_axis(&constant, AxisModel::SYMMETRIC), Err(IdentError::ConstantForce(0.7)));
     let short = record(&motion(230), symmetric(95.0, 200.0, 20.0, 0.0));
     assert!(matches!(
         fit_axis(&short, AxisModel::SYMMETRIC),

@@ -295,11 +295,11 @@ impl Fit<'_> {
     }
 
     /// Widens an error to what the residual repeats in the order of the rows. Where the fit has
-    /// taken nearly all of that away, nothing is known.
+    /// taken nearly all of that away, or all hangs on one end of the order, nothing is known.
     fn repeats(&self, j: usize, residuals: &[f64], error: &mut RobustError) {
         let OfWaves { variance, degrees, lacks } =
             self.waves(j, residuals, self.waves.ncols()).first(self.waves.ncols());
-        if lacks > TAKEN_AWAY || degrees < 1.0 {
+        if lacks > TAKEN_AWAY || degrees < DEGREES {
             return;
         }
         let (standard_error, degrees_of_freedom) = (variance.sqrt(), degrees);
