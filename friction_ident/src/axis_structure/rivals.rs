@@ -11,7 +11,7 @@ use super::search::{Best, Search};
 use super::shape::{PositionScale, ShapeTerm};
 use super::{AxisStructure, Choice};
 use crate::conditioning::Conditioned;
-use crate::estimate::{Doubt, Interval, IntervalMethod, Verdict};
+use crate::estimate::{Doubt, Estimate, Interval, IntervalMethod, Verdict};
 use crate::parameter_id::{ParameterId, Side};
 
 /// Share of the value that an interval may reach to each side.
@@ -28,18 +28,26 @@ impl Choice {
 
 impl StructureFit {
     /// Widens each interval to what `rivals` say of the parameter when they are fitted to the same
-    /// recording. Rivals that cannot be fitted say nothing.
+    /// recording: each counts as unsure as the chosen one is. Rivals that cannot be fitted say nothing.
     pub fn heed(&mut self, recording: &Conditioned, rivals: &[AxisStructure]) {
+        let ends = |end: fn(Interval) -> f64| -> Vec<f64> {
+            let of = |estimate: &Estimate| estimate.interval.map_or(estimate.value, end);
+            self.estimates.parameters.iter().map(of).collect()
+        };
+        let (own_low, own_high) = (ends(|interval| interval.low), ends(|interval| interval.high));
         for rival in rivals {
             let Some(said) = Said::of(recording, *rival, self.position_scale) else { continue };
             let own = self.structure;
-            for estimate in &mut self.estimates.parameters {
+            for (k, estimate) in self.estimates.parameters.iter_mut().enumerate() {
                 let Some(value) = said.value(estimate.id, own) else { continue };
                 let Some(interval) = estimate.interval else { continue };
-                if interval.contains(value) {
+                // Around its value the rival is no surer than the chosen one is around its own.
+                let (below, above) = (estimate.value - own_low[k], own_high[k] - estimate.value);
+                let (low, high) = (value - below, value + above);
+                if interval.low <= low && high <= interval.high {
                     continue;
                 }
-                let (low, high) = (interval.low.min(value), interval.high.max(value));
+                let (low, high) = (interval.low.min(low), interval.high.max(high));
                 estimate.interval = Some(Interval { low, high, method: IntervalMethod::Rivals });
                 let signed = super::doubts::SIGNED.contains(&estimate.id.name);
                 let reach = (high - estimate.value).max(estimate.value - low);
@@ -173,8 +181,12 @@ mod tests {
             let value = said.value(estimate.id, AxisStructure::SYMMETRIC).unwrap();
             let (now, then) = (estimate.interval.unwrap(), before.interval.unwrap());
             assert!(now.contains(value), "{}", estimate.id);
-            assert_eq!((now.low, now.high), (then.low.min(value), then.high.max(value)));
-            assert_eq!((now.method != then.method), !then.contains(value));
+            // The rival's value stands in an interval as wide as that of the chosen one.
+            let moved = value - estimate.value;
+            let (low, high) = (then.low.min(then.low + moved), then.high.max(then.high + moved));
+            let near = |a: f64, b: f64| (a - b).abs() < 1e-9 * (then.high - then.low);
+            assert!(near(now.low, low) && near(now.high, high), "{now:?} {low} {high}");
+            assert_eq!(now.method, IntervalMethod::Rivals);
         }
     }
 }

@@ -22,7 +22,7 @@
 //! score is looked at in the order of each quantity of the motion too ([`Course::motion`]: velocity,
 //! acceleration, position, way since the last reversal). White noise has the same variance in every
 //! order; a residual that goes with the quantity is slow in its order, as a drift is in time. The
-//! widest interval counts, where it stands out of chance. That treats what is missing as drawn at random by nature, as Kennedy and
+//! widest interval counts. That treats what is missing as drawn at random by nature, as Kennedy and
 //! O'Hagan (2001, Journal of the Royal Statistical Society B 63, 425) do: the interval is one for
 //! the parameter of the axis, not for the one that this model would have along this trajectory.
 //!
@@ -56,9 +56,6 @@ const SLOW: usize = 2;
 /// Waves over the range of a quantity of the motion. Few, because what a model lacks is smooth there
 /// and would be diluted by more.
 const ALONG_MOTION: usize = 6;
-/// Factor by which their variance must exceed that in time to count: less is chance, of which the
-/// widest of several intervals would make a habit.
-const STANDS_OUT: f64 = 1.5;
 /// Factor by which the fit may have taken these away: it follows the motion itself.
 const TAKEN_AWAY: f64 = 10.0;
 
@@ -304,8 +301,7 @@ impl Fit<'_> {
         }
         let (standard_error, degrees_of_freedom) = (variance.sqrt(), degrees);
         let wider = RobustError { standard_error, degrees_of_freedom, ..*error };
-        let stands_out = variance > STANDS_OUT * error.standard_error.powi(2);
-        if stands_out && wider.half_width() > error.half_width() {
+        if standard_error > error.standard_error && wider.half_width() > error.half_width() {
             *error = wider;
         }
     }
