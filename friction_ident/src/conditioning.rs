@@ -259,7 +259,7 @@ impl Conditioned {
     }
 }
 
-/// Samples that are left between two that rest is told by: four of a period of the cutoff.
+/// Samples that are left between two that rest is told by: four in a period of the cutoff.
 const SAMPLES_A_STRIDE: usize = 2;
 /// Samples that are left between two rows of the regression: a reversal is known to one of them.
 const SAMPLES_A_ROW: usize = 8;

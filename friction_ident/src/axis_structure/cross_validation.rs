@@ -147,7 +147,7 @@ pub fn choose(scores: &[CrossValidation]) -> Option<Choice> {
             let root = winner.force_power.sqrt() * (a.sqrt() + b.sqrt());
             let percent = |value: f64| if root > 0.0 { 100.0 * value / root } else { 0.0 };
             let (excess, excess_error) = (percent(a - b), percent(sum_error(&difference)));
-            let chance = student_95_of((winner.blocks.len() - 1) as f64) * excess_error;
+            let chance = student_95_of(winner.blocks.len().saturating_sub(1) as f64) * excess_error;
             let within =
                 excess <= chance.min(winner.standard_error).min(ALIKE * winner.relative_error);
             Ranked { index, excess, excess_error, within }
