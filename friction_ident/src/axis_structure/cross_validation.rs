@@ -4,11 +4,15 @@
 //! all parameters fitted anew, the nonlinear ones included. Rows next to the block are left out of
 //! the fit: the low-pass before the thinning reaches across.
 
+use std::ops::Range;
+
+use nalgebra::DVector;
 use serde::Serialize;
 
 use super::AxisStructure;
+use super::left_out::Whole;
 use super::regressors::rows_of;
-use super::search::Search;
+use super::search::{Best, Search};
 use super::shape::PositionScale;
 use crate::IdentError;
 use crate::conditioning::Conditioned;
@@ -73,16 +77,16 @@ pub fn cross_validate(
         return Err(IdentError::BlockCount { blocks, rows, most: most(rows) });
     }
     let guard = guard(rows);
-    let start = search.whole()?.shape;
+    let best = search.whole()?;
+    let whole = Whole::of(&mut search, &best)?;
     let mut squares = Vec::with_capacity(blocks);
     for block in 0..blocks {
         let (first, end) = (block * rows / blocks, (block + 1) * rows / blocks);
-        let kept = (0..rows).filter(|k| k + guard < first || *k >= end + guard).collect();
-        search.rows = Some(kept);
-        let found = search.from(start, &[])?;
-        let matrix = search.regressors.matrix(&found.shape)?;
-        let predicted = matrix.rows(first, end - first) * &found.solution.x;
-        let error = search.regressors.force.rows(first, end - first) - predicted;
+        let out = first.saturating_sub(guard)..(end + guard).min(rows);
+        let error = match whole.without(&search, out.clone()) {
+            Some(step) => whole.rest(&step, first..end),
+            None => searched(&mut search, &best, out, first..end)?,
+        };
         squares.push(error.norm_squared() / rows as f64);
     }
     let force_power = search.regressors.force.norm_squared() / rows as f64;
@@ -90,6 +94,22 @@ pub fn cross_validate(
     let relative_error = 100.0 * (sum / force_power).sqrt();
     let standard_error = 100.0 * sum_error(&squares) / (2.0 * (sum * force_power).sqrt());
     Ok(CrossValidation { structure, blocks: squares, force_power, relative_error, standard_error })
+}
+
+/// Error of the prediction of the rows in `block` by a search without those in `out`.
+fn searched(
+    search: &mut Search,
+    best: &Best,
+    out: Range<usize>,
+    block: Range<usize>,
+) -> Result<DVector<f64>, IdentError> {
+    search.rows = Some((0..search.regressors.rows()).filter(|k| !out.contains(k)).collect());
+    let found = search.from(best.shape, &[]);
+    search.rows = None;
+    let Best { shape, solution } = found?;
+    let matrix = search.regressors.matrix(&shape)?;
+    let predicted = matrix.rows(block.start, block.len()) * &solution.x;
+    Ok(search.regressors.force.rows(block.start, block.len()) - predicted)
 }
 
 /// Standard error of the sum of independent parts.

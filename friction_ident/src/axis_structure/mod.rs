@@ -29,6 +29,7 @@ mod cross_validation;
 mod doubts;
 mod fit;
 pub mod growth;
+mod left_out;
 mod naming;
 mod profile;
 mod regressors;
@@ -36,6 +37,7 @@ mod rivals;
 mod search;
 mod shape;
 mod stability;
+mod waves;
 
 pub use crate::structure::{AxisStructure, UnknownStructure};
 pub use cross_validation::{Choice, CrossValidation, Ranked, blocks_for, choose, cross_validate};

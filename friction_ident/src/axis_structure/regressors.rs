@@ -11,9 +11,13 @@ use nalgebra::{DMatrix, DVector};
 
 use super::AxisStructure;
 use super::shape::{LONGEST_DELAY, PositionScale, Shape, ShapeTerm};
+use super::waves::Place;
 use crate::IdentError;
 use crate::conditioning::{Conditioned, Piece};
 use crate::zero_phase::LowPass;
+
+/// Where the low-pass of the thinning ends, as a share of the rate of the rows.
+const PASS: f64 = 0.4;
 
 /// The columns that a nonlinear parameter changes, with the values they were made for.
 #[derive(Debug, Clone, Default)]
@@ -45,7 +49,7 @@ impl<'a> Regressors<'a> {
         let factor = recording.decimate;
         let filter = match factor {
             1 => None,
-            _ => Some(LowPass::chebyshev(8, 0.05, 0.4 / factor as f64, 1.0)?),
+            _ => Some(LowPass::chebyshev(8, 0.05, PASS / factor as f64, 1.0)?),
         };
         if recording.force.iter().all(|&force| force == 0.0) {
             return Err(IdentError::ZeroForce);
@@ -161,6 +165,20 @@ impl<'a> Regressors<'a> {
         self.read(&self.recording.velocity, self.advance(shape))
     }
 
+    /// Where the axis is at each row, and how fast, as the force acts.
+    pub fn places(&self, shape: &Shape) -> Vec<Place> {
+        let position = self.recording.position.as_deref().unwrap_or_default();
+        let position = self.read(position, self.advance(shape));
+        let places = position.into_iter().zip(self.velocity(shape));
+        places.map(|(position, velocity)| Place { position, speed: velocity.abs() }).collect()
+    }
+
+    /// How many waves a second pass the low-pass of the thinning.
+    pub fn fastest_wave(&self) -> f64 {
+        let Conditioned { decimate, time_step, .. } = *self.recording;
+        if decimate == 1 { f64::INFINITY } else { PASS / (decimate as f64 * time_step) }
+    }
+
     /// What the axis does at each row.
     pub fn motion(&self, shape: &Shape) -> Vec<Vec<f64>> {
         let delay = self.advance(shape);
@@ -170,11 +188,20 @@ impl<'a> Regressors<'a> {
     /// A column on the kept rows, read `delay` samples later, never beyond its own stretch.
     fn read(&self, column: &[f64], delay: f64) -> Vec<f64> {
         let factor = self.recording.decimate;
-        let of = |piece: &Piece| {
+        let mut rows = Vec::with_capacity(self.recording.pieces.len() * 8);
+        let (later, t) = (delay.floor() as usize, delay - delay.floor());
+        let weights = cubic(t);
+        for piece in &self.recording.pieces {
             let own = column.get(piece.kept.clone()).unwrap_or_default();
-            (0..rows_of(piece, factor)).map(move |k| read(own, (k * factor) as f64 + delay))
-        };
-        self.recording.pieces.iter().flat_map(of).collect()
+            rows.extend((0..rows_of(piece, factor)).map(|k| {
+                let at = k * factor + later;
+                match own.get(at.wrapping_sub(1)..at + 3) {
+                    Some(near) if t > 0.0 => near.iter().zip(&weights).map(|(y, w)| y * w).sum(),
+                    _ => read(own, at as f64 + t),
+                }
+            }));
+        }
+        rows
     }
 
     fn smooth(&self, column: Vec<f64>) -> Result<Vec<f64>, IdentError> {
@@ -322,10 +349,18 @@ pub(crate) fn read(column: &[f64], at: f64) -> f64 {
     if t == 0.0 {
         return value(i);
     }
-    let (a, b, c, d) = (value(i.saturating_sub(1)), value(i), value(i + 1), value(i + 2));
-    -t * (t - 1.0) * (t - 2.0) / 6.0 * a + (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0 * b
-        - (t + 1.0) * t * (t - 2.0) / 2.0 * c
-        + (t + 1.0) * t * (t - 1.0) / 6.0 * d
+    let near = [value(i.saturating_sub(1)), value(i), value(i + 1), value(i + 2)];
+    near.iter().zip(cubic(t)).map(|(y, weight)| y * weight).sum()
+}
+
+/// Weights of four samples in the value of their cubic at `t` between the second and the third.
+fn cubic(t: f64) -> [f64; 4] {
+    [
+        -t * (t - 1.0) * (t - 2.0) / 6.0,
+        (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
+        -(t + 1.0) * t * (t - 2.0) / 2.0,
+        (t + 1.0) * t * (t - 1.0) / 6.0,
+    ]
 }
 
 #[cfg(test)]

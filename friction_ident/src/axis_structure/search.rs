@@ -9,11 +9,16 @@ use super::AxisStructure;
 use super::naming::{AxisUnits, unknowns};
 use super::regressors::Regressors;
 use super::shape::{Limits, PositionScale, Shape, ShapeTerm};
+use super::waves;
 use crate::bounded::{Minimum, Patience, Residuals, minimise};
 use crate::conditioning::Conditioned;
 use crate::finite::finite;
 use crate::least_squares::{self, Solution};
 use crate::{Ending, IdentError};
+
+/// Periods that are looked at, and how many of them are tried.
+const PERIODS: usize = 400;
+const TRIED: usize = 3;
 
 /// The nonlinear parameters found and the linear fit that belongs to them.
 pub(super) struct Best {
@@ -45,14 +50,14 @@ impl<'a> Search<'a> {
         let mut start = self.limits.start();
         for term in ShapeTerm::of(&self.structure) {
             // The delay's well is wide: it needs no grid. That of a period is narrow.
-            let count = match term {
+            let grid = match term {
                 ShapeTerm::Delay => continue,
-                ShapeTerm::Period => 400,
-                _ => 9,
+                ShapeTerm::Period => self.periods(&start)?,
+                _ => self.limits.grid(term, 9),
             };
             let mut best = f64::INFINITY;
             let mut chosen = start;
-            for value in self.limits.grid(term, count) {
+            for value in grid {
                 let mut trial = start;
                 term.set(&mut trial, value);
                 let (matrix, force) = self.system(&trial)?;
@@ -65,6 +70,20 @@ impl<'a> Search<'a> {
             start = chosen;
         }
         self.from(start, &[])
+    }
+
+    /// The periods that are worth a try with the other nonlinear parameters as they are.
+    fn periods(&mut self, start: &Shape) -> Result<Vec<f64>, IdentError> {
+        let grid = self.limits.grid(ShapeTerm::Period, PERIODS);
+        let (matrix, force) = self.system(start)?;
+        let others = matrix.columns(0, matrix.ncols().saturating_sub(2)).into_owned();
+        let places = self.regressors.places(start);
+        let places = match &self.rows {
+            None => places,
+            Some(rows) => rows.iter().filter_map(|&row| places.get(row).copied()).collect(),
+        };
+        let fastest = self.regressors.fastest_wave();
+        Ok(waves::promising(&grid, TRIED, &places, &others, &force, fastest))
     }
 
     /// The best fit from a starting point, with some nonlinear parameters kept at it.

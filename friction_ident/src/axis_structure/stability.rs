@@ -9,6 +9,7 @@
 use nalgebra::DMatrix;
 
 use super::doubts::SIGNED;
+use super::left_out::Whole;
 use super::search::{Best, Search};
 use super::shape::{LONGEST_DELAY, ShapeTerm};
 use crate::estimate::{Doubt, Estimate, Estimates, Verdict};
@@ -38,8 +39,10 @@ pub(super) fn judge(search: &mut Search, best: &Best, estimates: &mut Estimates)
         let shape = terms.iter().map(|term| term.value(&found.shape));
         found.solution.x.iter().copied().chain(shape).collect()
     };
-    let Ok(slopes) = search.linearise(best, &terms).map(|minimum| minimum.jacobian) else { return };
-    let whole = variances(&slopes);
+    let all = values(best);
+    let Ok(fit) = Whole::of(search, best) else { return };
+    let slopes = &fit.slopes;
+    let whole = variances(slopes);
     let resolved = RESOLVED * search.limits.high.delay / LONGEST_DELAY as f64;
     let mut parameters = vec![Moved::default(); estimates.parameters.len()];
     for part in 0..PARTS {
@@ -47,9 +50,14 @@ pub(super) fn judge(search: &mut Search, best: &Best, estimates: &mut Estimates)
         let kept: Vec<usize> = (0..rows).filter(|row| !out.contains(row)).collect();
         // What is left may not show a term at all: then nothing is learnt from this part.
         let Some(left) = variances(&slopes.select_rows(&kept)) else { continue };
-        search.rows = Some(kept);
-        let Ok(found) = search.from(best.shape, &[]) else { continue };
-        let values = values(&found);
+        let values: Vec<f64> = match fit.without(search, out) {
+            Some(step) => all.iter().zip(step.change.iter()).map(|(all, by)| all + by).collect(),
+            None => {
+                search.rows = Some(kept);
+                let Ok(found) = search.from(best.shape, &[]) else { continue };
+                values(&found)
+            }
+        };
         for (j, (moved, estimate)) in parameters.iter_mut().zip(&estimates.parameters).enumerate() {
             let of = |all: &[f64]| all.get(j).copied().unwrap_or(f64::NAN);
             let wider = whole.as_deref().map_or(1.0, |whole| (of(&left) / of(whole)).sqrt());

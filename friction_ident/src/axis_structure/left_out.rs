@@ -1,0 +1,134 @@
+//! The fit without a part of the recording, from the fit to all of it.
+//!
+//! Without an eighth of the rows the parameters move by a fraction of their errors. So far the model
+//! is straight: one step of Gauss and Newton from the fit to all rows arrives (the one-step
+//! jackknife; Fox, Hinkley and Larntz 1980, Technometrics 22). It costs one small system of
+//! equations in place of a search in which every trial filters the recording anew. Where the step is
+//! longer than the model is straight, there is no answer, and a search has to be made.
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::search::{Best, Search};
+use super::shape::{LONGEST_DELAY, Shape, ShapeTerm};
+use crate::IdentError;
+use crate::finite::finite;
+
+/// Change of the logarithm of a velocity or a displacement up to which the model counts as straight.
+const STRAIGHT: f64 = 0.1;
+/// The same of a delay, in samples.
+const STRAIGHT_DELAY: f64 = 0.5;
+/// The same of a period, in waves along the travel.
+const STRAIGHT_WAVES: f64 = 0.03;
+/// The least that must be left of a column, squared, when the others have been taken off it: less is
+/// lost in rounding.
+const LEAST_PIVOT: f64 = 1e-8;
+
+/// A fit to all rows with its derivatives.
+pub(super) struct Whole {
+    /// Derivative of the residual with respect to each parameter, linear ones first.
+    pub slopes: DMatrix<f64>,
+    residual: DVector<f64>,
+    terms: Vec<ShapeTerm>,
+    shape: Shape,
+    linear: usize,
+    /// The parameters that no bound holds.
+    free: Vec<usize>,
+    /// Those that one holds, and whether it is the upper one.
+    held: Vec<(usize, bool)>,
+    scale: Vec<f64>,
+    normal: DMatrix<f64>,
+    gradient: DVector<f64>,
+}
+
+/// Where the parameters go without some rows.
+pub(super) struct Step {
+    /// The change of each parameter, linear ones first.
+    pub change: DVector<f64>,
+}
+
+impl Whole {
+    pub fn of(search: &mut Search, best: &Best) -> Result<Self, IdentError> {
+        let terms = ShapeTerm::of(&search.structure);
+        let minimum = search.linearise(best, &terms)?;
+        let linear = best.solution.x.len();
+        let (slopes, residual) = (minimum.jacobian, minimum.residuals);
+        let scale: Vec<f64> = slopes.column_iter().map(|column| column.norm()).collect();
+        let (mut normal, mut gradient) = (slopes.tr_mul(&slopes), slopes.tr_mul(&residual));
+        scaled(&mut normal, &mut gradient, &scale);
+        let held: Vec<(usize, bool)> = terms
+            .iter()
+            .enumerate()
+            .filter(|(j, _)| minimum.held[linear + j])
+            .map(|(j, term)| {
+                let low = term.value(&search.limits.low);
+                let high = term.value(&search.limits.high);
+                (linear + j, term.value(&best.shape) > 0.5 * (low + high))
+            })
+            .collect();
+        let free = (0..scale.len()).filter(|&j| !minimum.held[j]).collect();
+        let shape = best.shape;
+        Ok(Self { slopes, residual, terms, shape, linear, free, held, scale, normal, gradient })
+    }
+
+    /// Without the rows in `out`; none where the model is not straight so far, or where what is left
+    /// does not show a parameter.
+    pub fn without(&self, search: &Search, out: Range<usize>) -> Option<Step> {
+        let count = out.len();
+        let (slopes, residual) =
+            (self.slopes.rows(out.start, count), self.residual.rows(out.start, count));
+        let (mut normal, mut gradient) = (slopes.tr_mul(&slopes), slopes.tr_mul(&residual));
+        scaled(&mut normal, &mut gradient, &self.scale);
+        let (normal, gradient) = (&self.normal - normal, &self.gradient - gradient);
+        let of_free = normal.select_rows(&self.free).select_columns(&self.free);
+        let factor = finite(of_free)?.cholesky()?;
+        if factor.l_dirty().diagonal().iter().any(|pivot| pivot * pivot < LEAST_PIVOT) {
+            return None;
+        }
+        let step = factor.solve(&-gradient.select_rows(&self.free));
+        let mut change = DVector::zeros(self.scale.len());
+        for (&j, step) in self.free.iter().zip(step.iter()) {
+            change[j] = *step;
+        }
+        // A bound that holds with all rows may let go without some.
+        let pull = &gradient + &normal * &change;
+        if self.held.iter().any(|&(j, upper)| if upper { pull[j] > 0.0 } else { pull[j] < 0.0 }) {
+            return None;
+        }
+        change.iter_mut().zip(&self.scale).for_each(|(change, scale)| *change /= scale);
+        let straight = |(j, term): (usize, &ShapeTerm)| {
+            self.is_straight(search, *term, change[self.linear + j])
+        };
+        self.terms.iter().enumerate().all(straight).then_some(Step { change })
+    }
+
+    /// What the model without them leaves of the force on the rows in `range`.
+    pub fn rest(&self, step: &Step, range: Range<usize>) -> DVector<f64> {
+        let slopes = self.slopes.rows(range.start, range.len());
+        self.residual.rows(range.start, range.len()) + slopes * &step.change
+    }
+
+    fn is_straight(&self, search: &Search, term: ShapeTerm, change: f64) -> bool {
+        let limits = &search.limits;
+        let value = term.value(&self.shape);
+        let to = value + change;
+        let within = term.value(&limits.low) <= to && to <= term.value(&limits.high);
+        let reach = match term {
+            ShapeTerm::Delay => STRAIGHT_DELAY * limits.high.delay / LONGEST_DELAY as f64,
+            ShapeTerm::Period => STRAIGHT_WAVES * value * value / (0.5 * limits.high.period),
+            ShapeTerm::StribeckVelocity | ShapeTerm::Displacement => STRAIGHT * value,
+        };
+        within && change.abs() <= reach
+    }
+}
+
+/// Normal equations of columns scaled to unit length.
+fn scaled(normal: &mut DMatrix<f64>, gradient: &mut DVector<f64>, scale: &[f64]) {
+    for i in 0..scale.len() {
+        for j in 0..scale.len() {
+            normal[(i, j)] /= scale[i] * scale[j];
+        }
+        gradient[i] /= scale[i];
+    }
+}
