@@ -12,6 +12,8 @@
 
 use std::f64::consts::PI;
 
+use pulp::{Arch, Simd, WithSimd};
+
 use crate::IdentError;
 
 /// A digital low-pass of gain one at rest.
@@ -106,8 +108,42 @@ impl LowPass {
     /// # Errors
     /// [`IdentError::TooFewSamples`] unless the signal is longer than [`padding`](Self::padding).
     pub fn filter(&self, signal: &[f64]) -> Result<Vec<f64>, IdentError> {
+        let mut filtered = self.side_by_side([signal])?;
+        Ok(filtered.swap_remove(0))
+    }
+
+    /// Filters signals of one length side by side: one costs as much as eight.
+    ///
+    /// # Errors
+    /// As for [`filter`](Self::filter).
+    pub(crate) fn filter_all(&self, signals: &[&[f64]]) -> Result<Vec<Vec<f64>>, IdentError> {
+        let mut filtered = Vec::with_capacity(signals.len());
+        for few in signals.chunks(4) {
+            filtered.extend(match few.len() {
+                0 | 1 => self.in_lanes::<1>(few)?,
+                2 => self.in_lanes::<2>(few)?,
+                3 | 4 => self.in_lanes::<4>(few)?,
+                _ => self.in_lanes::<8>(few)?,
+            });
+        }
+        Ok(filtered)
+    }
+
+    /// Up to `L` signals; the lanes that are left over do the first one again.
+    fn in_lanes<const L: usize>(&self, few: &[&[f64]]) -> Result<Vec<Vec<f64>>, IdentError> {
+        let first = few.first().copied().unwrap_or_default();
+        let signals = std::array::from_fn(|lane| few.get(lane).copied().unwrap_or(first));
+        let mut filtered = self.side_by_side::<L>(signals)?;
+        filtered.truncate(few.len());
+        Ok(filtered)
+    }
+
+    fn side_by_side<const L: usize>(
+        &self,
+        signals: [&[f64]; L],
+    ) -> Result<Vec<Vec<f64>>, IdentError> {
         let pad = self.padding();
-        let n = signal.len();
+        let n = signals.iter().map(|signal| signal.len()).min().unwrap_or(0);
         if n <= pad {
             return Err(IdentError::TooFewSamples {
                 what: "the zero-phase low-pass",
@@ -116,36 +152,58 @@ impl LowPass {
                 lower: "the filter order",
             });
         }
-        let (first, last) = (signal[0], signal[n - 1]);
+        let at = |i: usize| signals.map(|signal| signal[i]);
+        let beyond = |end: usize, i: usize| signals.map(|signal| 2.0 * signal[end] - signal[i]);
         let mut extended = Vec::with_capacity(n + 2 * pad);
-        extended.extend((1..=pad).rev().map(|i| 2.0 * first - signal[i]));
-        extended.extend_from_slice(signal);
-        extended.extend((1..=pad).map(|i| 2.0 * last - signal[n - 1 - i]));
-        self.run(&mut extended);
+        extended.extend((1..=pad).rev().map(|i| beyond(0, i)));
+        extended.extend((0..n).map(at));
+        extended.extend((1..=pad).map(|i| beyond(n - 1, n - 1 - i)));
+        let arch = Arch::new();
+        arch.dispatch(Pass { filter: self, signals: &mut extended });
         extended.reverse();
-        self.run(&mut extended);
-        extended.reverse();
-        Ok(extended[pad..pad + n].to_vec())
-    }
-
-    /// One pass in place, started in the steady state of the first sample. All sections take a
-    /// sample before the next one comes: that is several times faster than one section after the
-    /// other, because they then do not wait for themselves.
-    fn run(&self, signal: &mut [f64]) {
-        let start = signal.first().copied().unwrap_or(0.0);
-        // At most six sections: the order is at most twelve.
-        let mut states = [[0.0; 2]; 6];
-        for (Section { b, a }, [s1, s2]) in self.sections.iter().zip(&mut states) {
-            *s2 = (b[2] - a[1]) * start;
-            *s1 = (b[1] - a[0]) * start + *s2;
+        arch.dispatch(Pass { filter: self, signals: &mut extended });
+        let mut filtered = vec![vec![0.0; n]; L];
+        for (k, values) in extended.iter().rev().skip(pad).take(n).enumerate() {
+            for (signal, value) in filtered.iter_mut().zip(values) {
+                signal[k] = *value;
+            }
         }
-        for value in signal.iter_mut() {
-            for (Section { b, a }, [s1, s2]) in self.sections.iter().zip(&mut states) {
-                let input = *value;
-                let output = b[0] * input + *s1;
-                *s1 = b[1] * input - a[0] * output + *s2;
-                *s2 = b[2] * input - a[1] * output;
-                *value = output;
+        Ok(filtered)
+    }
+}
+
+/// One pass in place over signals side by side, each started in the steady state of its first
+/// sample. All sections take a sample before the next one comes: that is several times faster than
+/// one section after the other, because they then do not wait for themselves.
+struct Pass<'a, const L: usize> {
+    filter: &'a LowPass,
+    signals: &'a mut [[f64; L]],
+}
+
+impl<const L: usize> WithSimd for Pass<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { filter, signals } = self;
+        let start = signals.first().copied().unwrap_or([0.0; L]);
+        // At most six sections: the order is at most twelve.
+        let mut states = [[[0.0; L]; 2]; 6];
+        for (Section { b, a }, [s1, s2]) in filter.sections.iter().zip(&mut states) {
+            for lane in 0..L {
+                s2[lane] = (b[2] - a[1]) * start[lane];
+                s1[lane] = (b[1] - a[0]) * start[lane] + s2[lane];
+            }
+        }
+        for values in signals.iter_mut() {
+            for (Section { b, a }, [s1, s2]) in filter.sections.iter().zip(&mut states) {
+                for lane in 0..L {
+                    let input = values[lane];
+                    let output = b[0] * input + s1[lane];
+                    s1[lane] = b[1] * input - a[0] * output + s2[lane];
+                    s2[lane] = b[2] * input - a[1] * output;
+                    values[lane] = output;
+                }
             }
         }
     }
@@ -189,6 +247,19 @@ mod tests {
     fn picked(filter: &LowPass) -> Vec<f64> {
         let out = filter.filter(&signal()).unwrap();
         PICKED.iter().map(|&i| out[i]).collect()
+    }
+
+    #[test]
+    fn signals_side_by_side_are_each_as_alone() {
+        let filter = LowPass::chebyshev(8, 0.05, 0.04, 1.0).unwrap();
+        let signals: Vec<Vec<f64>> = (1..=11)
+            .map(|k| signal().iter().map(|x| x * f64::from(k) + x.powi(k)).collect())
+            .collect();
+        for count in 0..=11 {
+            let some: Vec<&[f64]> = signals[..count].iter().map(Vec::as_slice).collect();
+            let alone: Vec<_> = some.iter().map(|signal| filter.filter(signal).unwrap()).collect();
+            assert_eq!(filter.filter_all(&some).unwrap(), alone, "{count}");
+        }
     }
 
     #[test]

@@ -13,7 +13,7 @@ use super::AxisStructure;
 use super::left_out::Whole;
 use super::regressors::rows_of;
 use super::search::{Best, Search};
-use super::shape::PositionScale;
+use super::shape::{PositionScale, Shape};
 use crate::IdentError;
 use crate::conditioning::Conditioned;
 use crate::statistics::{Sample, student_95_of};
@@ -49,6 +49,9 @@ fn most(rows: usize) -> usize {
 pub struct CrossValidation {
     /// The structure.
     pub structure: AxisStructure,
+    /// The nonlinear parameters, fitted to all blocks.
+    #[serde(skip)]
+    pub shape: Shape,
     /// Sum of squared prediction errors of each block, over the rows of the whole recording
     /// \[N^2 or (N m)^2\].
     pub blocks: Vec<f64>,
@@ -71,13 +74,36 @@ pub fn cross_validate(
     structure: AxisStructure,
     blocks: usize,
 ) -> Result<CrossValidation, IdentError> {
+    cross_validate_beside(recording, structure, blocks, &[])
+}
+
+/// The same beside structures that were cross-validated on the recording before: the search for the
+/// nonlinear parameters begins where that of the best one with a part less has ended, and only what
+/// is new is searched all over.
+///
+/// # Errors
+/// Those of [`cross_validate`].
+pub fn cross_validate_beside(
+    recording: &Conditioned,
+    structure: AxisStructure,
+    blocks: usize,
+    known: &[CrossValidation],
+) -> Result<CrossValidation, IdentError> {
     let mut search = Search::new(recording, structure, PositionScale::of(recording))?;
     let rows = search.regressors.rows();
     if !(2..=50).contains(&blocks) || blocks > most(rows) {
         return Err(IdentError::BlockCount { blocks, rows, most: most(rows) });
     }
     let guard = guard(rows);
-    let best = search.whole()?;
+    let simpler = |score: &&CrossValidation| {
+        score.structure.parameters() < structure.parameters()
+            && structure.neighbours().contains(&score.structure)
+    };
+    let simpler = known.iter().filter(simpler);
+    let best = match simpler.min_by(|a, b| a.relative_error.total_cmp(&b.relative_error)) {
+        Some(simpler) => search.grown(&simpler.structure, simpler.shape)?,
+        None => search.whole()?,
+    };
     let whole = Whole::of(&mut search, &best)?;
     let mut squares = Vec::with_capacity(blocks);
     for block in 0..blocks {
@@ -93,7 +119,9 @@ pub fn cross_validate(
     let sum: f64 = squares.iter().sum();
     let relative_error = 100.0 * (sum / force_power).sqrt();
     let standard_error = 100.0 * sum_error(&squares) / (2.0 * (sum * force_power).sqrt());
-    Ok(CrossValidation { structure, blocks: squares, force_power, relative_error, standard_error })
+    let shape = best.shape;
+    let blocks = squares;
+    Ok(CrossValidation { structure, shape, blocks, force_power, relative_error, standard_error })
 }
 
 /// Error of the prediction of the rows in `block` by a search without those in `out`.
@@ -195,6 +223,7 @@ mod tests {
         let sum: f64 = blocks.iter().sum();
         CrossValidation {
             structure,
+            shape: Shape { delay: 0.0, v_s: 1.0, displacement: 1.0, period: 1.0 },
             blocks: blocks.to_vec(),
             force_power: 1.0,
             relative_error: 100.0 * sum.sqrt(),

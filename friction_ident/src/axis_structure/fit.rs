@@ -3,6 +3,7 @@
 use nalgebra::DVector;
 use serde::Serialize;
 
+use super::left_out::Whole;
 use super::naming::{AxisUnits, unknowns};
 use super::profile;
 use super::regressors::Regressors;
@@ -164,9 +165,10 @@ pub fn fit_structure(
     let motion = search.regressors.motion(&best.shape);
     let course = Course { pieces: &search.regressors.pieces(), motion: &motion };
     let rises = robust_errors(&minimum, &course, &mut estimates);
-    profile::intervals(&mut search, &best, &rises, &mut estimates);
+    let whole = Whole::of(&mut search, &best)?;
+    profile::intervals(&mut search, &best, &whole, &rises, &mut estimates);
     doubts::judge(&structure, &mut estimates);
-    stability::judge(&mut search, &best, &mut estimates);
+    stability::judge(&mut search, &best, &whole, &mut estimates);
     if let Some(inertia) = estimates.parameters.first().filter(|inertia| inertia.value <= 0.0) {
         return Err(IdentError::NegativeInertia {
             value: inertia.value,

@@ -64,10 +64,13 @@ pub fn next(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::axis_structure::Shape;
 
     fn score(structure: AxisStructure, relative_error: f64) -> CrossValidation {
         let blocks = vec![relative_error; 4];
-        CrossValidation { structure, blocks, force_power: 1.0, relative_error, standard_error: 0.1 }
+        let shape = Shape { delay: 0.0, v_s: 1.0, displacement: 1.0, period: 1.0 };
+        let (force_power, standard_error) = (1.0, 0.1);
+        CrossValidation { structure, shape, blocks, force_power, relative_error, standard_error }
     }
 
     /// Of each part what it takes off the error; two of them only together.

@@ -103,6 +103,27 @@ impl Whole {
         self.terms.iter().enumerate().all(straight).then_some(Step { change })
     }
 
+    /// How the unknowns of the other nonlinear parameters follow that of `term`, where the sum of
+    /// squares is least; those that a bound holds stay.
+    pub fn along(&self, term: ShapeTerm) -> Vec<(ShapeTerm, f64)> {
+        let Some(own) = self.terms.iter().position(|other| *other == term) else { return vec![] };
+        let own = self.linear + own;
+        let others: Vec<usize> = self.free.iter().copied().filter(|&j| j != own).collect();
+        let of_others = self.normal.select_rows(&others).select_columns(&others);
+        let right = self.normal.column(own).select_rows(&others);
+        let Some(factor) = finite(of_others).and_then(DMatrix::cholesky) else { return vec![] };
+        let follow = factor.solve(&-right);
+        let unknown =
+            |j: usize, term: ShapeTerm| self.scale[j] * term.stretch(term.value(&self.shape));
+        let nonlinear = others.iter().zip(follow.iter()).filter(|(j, _)| **j >= self.linear);
+        nonlinear
+            .map(|(&j, follow)| {
+                let other = self.terms[j - self.linear];
+                (other, follow * unknown(own, term) / unknown(j, other))
+            })
+            .collect()
+    }
+
     /// What the model without them leaves of the force on the rows in `range`.
     pub fn rest(&self, step: &Step, range: Range<usize>) -> DVector<f64> {
         let slopes = self.slopes.rows(range.start, range.len());

@@ -28,6 +28,7 @@ pub mod closed_loop;
 mod cross_validation;
 mod doubts;
 mod fit;
+mod friction_curve;
 pub mod growth;
 mod left_out;
 mod naming;
@@ -40,7 +41,9 @@ mod stability;
 mod waves;
 
 pub use crate::structure::{AxisStructure, UnknownStructure};
-pub use cross_validation::{Choice, CrossValidation, Ranked, blocks_for, choose, cross_validate};
+pub use cross_validation::{
+    Choice, CrossValidation, Ranked, blocks_for, choose, cross_validate, cross_validate_beside,
+};
 pub use fit::{StructureFit, fit_structure};
 pub use naming::AxisUnits;
 pub(crate) use regressors::{read as read_between, rows_of};

@@ -5,11 +5,10 @@
 //! are read after their anti-alias low-pass, which makes interpolation between samples exact to far
 //! below the noise, and lets a new delay cost no filtering.
 
-use std::ops::Range;
-
 use nalgebra::{DMatrix, DVector};
 
 use super::AxisStructure;
+use super::friction_curve::{FrictionCurve, Levels};
 use super::shape::{LONGEST_DELAY, PositionScale, Shape, ShapeTerm};
 use super::waves::Place;
 use crate::IdentError;
@@ -18,6 +17,9 @@ use crate::zero_phase::LowPass;
 
 /// Where the low-pass of the thinning ends, as a share of the rate of the rows.
 const PASS: f64 = 0.4;
+
+/// Samples of a recording times the shapes that are prepared together, at most.
+const PREPARED: usize = 1 << 19;
 
 /// The columns that a nonlinear parameter changes, with the values they were made for.
 #[derive(Debug, Clone, Default)]
@@ -30,11 +32,16 @@ struct Group {
 pub(super) struct Regressors<'a> {
     recording: &'a Conditioned,
     structure: AxisStructure,
-    scale: PositionScale,
+    /// Position from -1 to 1 over the estimation recording, where the structure needs it.
+    place: Vec<f64>,
     filter: Option<LowPass>,
     /// Inertia, viscous friction, offset, force along the axis, gravity.
     fixed: Vec<Vec<f64>>,
     friction: Group,
+    /// Columns of friction for shapes that are likely to be asked for.
+    prepared: Vec<Group>,
+    /// What the friction columns were made of, where that is known.
+    curve: Option<FrictionCurve>,
     harmonic: Group,
     /// Measured force on the kept rows.
     pub force: DVector<f64>,
@@ -67,19 +74,25 @@ impl<'a> Regressors<'a> {
                 lower: "the trim or the decimation",
             });
         }
+        let position = recording.position.as_deref().filter(|_| structure.position);
+        let place = position.unwrap_or_default().iter().map(|&x| scale.normalised(x)).collect();
         let mut made = Self {
             recording,
             structure,
-            scale,
+            place,
             filter,
             fixed: Vec::new(),
             friction: Group::default(),
+            prepared: Vec::new(),
+            curve: None,
             harmonic: Group::default(),
             force: DVector::zeros(0),
         };
-        let force = made.smooth(recording.force.clone())?;
+        let mut columns = made.fixed_columns();
+        columns.push(recording.force.clone());
+        made.fixed = made.smoothed(columns)?;
+        let force = made.fixed.pop().unwrap_or_default();
         made.force = DVector::from_vec(made.read(&force, 0.0));
-        made.fixed = made.fixed_columns()?;
         Ok(made)
     }
 
@@ -107,41 +120,73 @@ impl<'a> Regressors<'a> {
         Ok(matrix)
     }
 
-    /// Derivative of the predicted force with respect to a nonlinear parameter, from its change
-    /// between two shapes that differ in it alone. The change is filtered once, whatever the number
-    /// of columns.
-    pub fn slope(
+    /// Derivatives of the predicted force with respect to nonlinear parameters, the linear ones kept;
+    /// for that of the delay between two delays \[s\].
+    pub fn slopes(
         &mut self,
-        term: ShapeTerm,
-        before: &Shape,
-        after: &Shape,
+        terms: &[ShapeTerm],
+        shape: &Shape,
+        delays: [f64; 2],
         linear: &DVector<f64>,
-    ) -> Result<DVector<f64>, IdentError> {
-        let width = term.value(after) - term.value(before);
-        if term == ShapeTerm::Delay {
-            return Ok((self.matrix(after)? - self.matrix(before)?) * linear / width);
-        }
-        let (a, b) = (self.shaped_columns(before, term), self.shaped_columns(after, term));
-        let first = match term {
-            ShapeTerm::Period => linear.len() - b.len(),
-            _ => self.fixed.len(),
+    ) -> Result<Vec<DVector<f64>>, IdentError> {
+        // That of the delay is made of smooth columns, the others become smooth together.
+        let smooth = terms.iter().filter(|term| **term != ShapeTerm::Delay);
+        let rough = smooth.map(|&term| self.rough_slope(term, shape, linear));
+        let rough = rough.collect::<Result<_, _>>()?;
+        let mut slopes = self.smoothed(rough)?.into_iter();
+        let delay = self.advance(shape);
+        let [before, after] = delays.map(|delay| Shape { delay, ..*shape });
+        let mut slope = |term: &ShapeTerm| match term {
+            ShapeTerm::Delay => {
+                let change = self.matrix(&after)? - self.matrix(&before)?;
+                Ok(change * linear / (after.delay - before.delay))
+            }
+            _ => Ok(DVector::from_vec(self.read(&slopes.next().unwrap_or_default(), delay))),
         };
-        let mut change = vec![0.0; self.recording.velocity.len()];
-        for (j, (a, b)) in a.iter().zip(&b).enumerate() {
-            let weight = linear[first + j] / width;
-            change.iter_mut().zip(a).zip(b).for_each(|((sum, a), b)| *sum += weight * (b - a));
-        }
-        let change = self.smooth(change)?;
-        Ok(DVector::from_vec(self.read(&change, self.advance(before))))
+        terms.iter().map(&mut slope).collect()
     }
 
-    /// The unfiltered columns that a nonlinear parameter changes.
-    fn shaped_columns(&self, shape: &Shape, term: ShapeTerm) -> Vec<Vec<f64>> {
-        match term {
-            ShapeTerm::Delay => Vec::new(),
-            ShapeTerm::StribeckVelocity | ShapeTerm::Displacement => self.friction_columns(shape),
-            ShapeTerm::Period => self.harmonic_columns(shape),
-        }
+    /// A derivative sample by sample, before the low-pass; none for the delay.
+    fn rough_slope(
+        &mut self,
+        term: ShapeTerm,
+        shape: &Shape,
+        linear: &DVector<f64>,
+    ) -> Result<Vec<f64>, IdentError> {
+        let levels = self.levels(linear);
+        Ok(match term {
+            ShapeTerm::Delay => vec![],
+            ShapeTerm::StribeckVelocity => self.friction_curve(shape)?.by_velocity(&levels),
+            ShapeTerm::Displacement => {
+                let place = std::mem::take(&mut self.place);
+                let slope = self.friction_curve(shape)?.by_displacement(&levels, &place);
+                self.place = place;
+                slope
+            }
+            ShapeTerm::Period => {
+                let [cos, sin] = [linear.len() - 2, linear.len() - 1].map(|j| linear[j]);
+                let position = self.recording.position.as_deref().unwrap_or_default();
+                let change = |x: &f64| {
+                    let angle = std::f64::consts::TAU * x / shape.period;
+                    let (s, c) = angle.sin_cos();
+                    (cos * s - sin * c) * angle / shape.period
+                };
+                position.iter().map(change).collect()
+            }
+        })
+    }
+
+    /// The levels of friction among the linear parameters.
+    fn levels(&self, linear: &DVector<f64>) -> Levels {
+        let AxisStructure { asymmetric, stribeck, position, .. } = self.structure;
+        let value = |j: usize| linear.get(self.fixed.len() + j).copied().unwrap_or(0.0);
+        let sides = if asymmetric { 2 } else { 1 };
+        let level = |first: usize| [value(first), value(first + sides - 1)];
+        let kinetic = level(0);
+        let rest = if stribeck { level(sides) } else { kinetic };
+        let first = if stribeck { 2 * sides } else { sides };
+        let along = if position { [value(first), value(first + 1)] } else { [0.0; 2] };
+        Levels { kinetic, rest, along }
     }
 
     /// The delay in samples.
@@ -204,14 +249,23 @@ impl<'a> Regressors<'a> {
         rows
     }
 
-    fn smooth(&self, column: Vec<f64>) -> Result<Vec<f64>, IdentError> {
-        match &self.filter {
-            Some(filter) => self.recording.by_piece(&column, |piece| filter.filter(piece)),
-            None => Ok(column),
+    /// Columns after the low-pass of the thinning.
+    fn smoothed(&self, columns: Vec<Vec<f64>>) -> Result<Vec<Vec<f64>>, IdentError> {
+        let Some(filter) = &self.filter else { return Ok(columns) };
+        let mut smooth = vec![Vec::new(); columns.len()];
+        for piece in &self.recording.pieces {
+            let kept = || piece.kept.clone();
+            let own: Vec<&[f64]> =
+                columns.iter().map(|column| column.get(kept()).unwrap_or_default()).collect();
+            for (all, own) in smooth.iter_mut().zip(filter.filter_all(&own)?) {
+                if all.is_empty() { *all = own } else { all.extend(own) }
+            }
         }
+        Ok(smooth)
     }
 
-    fn fixed_columns(&self) -> Result<Vec<Vec<f64>>, IdentError> {
+    /// The columns that no nonlinear parameter changes, before the low-pass.
+    fn fixed_columns(&self) -> Vec<Vec<f64>> {
         let Conditioned { acceleration, velocity, .. } = self.recording;
         let mut columns = vec![acceleration.clone()];
         columns.extend(self.sides(velocity.clone()));
@@ -219,14 +273,14 @@ impl<'a> Regressors<'a> {
             columns.push(vec![1.0; velocity.len()]);
         }
         if self.structure.position {
-            columns.push(self.place());
+            columns.push(self.place.clone());
         }
         if self.structure.gravity {
             let angles = self.recording.position.as_deref().unwrap_or_default();
             columns.push(angles.iter().map(|q| q.sin()).collect());
             columns.push(angles.iter().map(|q| q.cos()).collect());
         }
-        columns.into_iter().map(|column| self.smooth(column)).collect()
+        columns
     }
 
     /// The positive and the negative part of a column, or the whole where the directions share a
@@ -242,76 +296,72 @@ impl<'a> Regressors<'a> {
         }
     }
 
-    /// Position from -1 to 1 over the estimation recording.
-    fn place(&self) -> Vec<f64> {
-        let position = self.recording.position.as_deref().unwrap_or_default();
-        position.iter().map(|&x| self.scale.normalised(x)).collect()
-    }
-
     fn update_friction(&mut self, shape: &Shape) -> Result<(), IdentError> {
-        let key = [shape.v_s, shape.displacement];
-        if self.friction.made_for != Some(key) {
-            let columns =
-                self.friction_columns(shape).into_iter().map(|column| self.smooth(column));
-            let columns = columns.collect::<Result<_, _>>()?;
-            self.friction = Group { made_for: Some(key), columns };
+        let key = friction_key(shape);
+        if self.friction.made_for == Some(key) {
+            return Ok(());
         }
+        let prepared = self.prepared.iter().position(|group| group.made_for == Some(key));
+        if let Some(index) = prepared {
+            self.friction = self.prepared.swap_remove(index);
+            self.curve = None;
+            return Ok(());
+        }
+        let curve = FrictionCurve::of(self.recording, &self.structure, shape);
+        let columns = self.smoothed(self.friction_columns(&curve))?;
+        self.friction = Group { made_for: Some(key), columns };
+        self.curve = Some(curve);
         Ok(())
     }
 
-    fn friction_columns(&self, shape: &Shape) -> Vec<Vec<f64>> {
-        let sign = self.sign(shape.displacement);
+    /// Makes the columns of several shapes at once, which is quicker than one after the other. They
+    /// are used up as each shape is asked for.
+    pub fn prepare(&mut self, shapes: &[Shape]) -> Result<(), IdentError> {
+        let of = |shape| {
+            self.friction_columns(&FrictionCurve::of(self.recording, &self.structure, shape))
+        };
+        let columns: Vec<Vec<Vec<f64>>> = shapes.iter().map(of).collect();
+        let each = columns.first().map_or(0, Vec::len);
+        let smooth = self.smoothed(columns.into_iter().flatten().collect())?;
+        let groups = smooth.chunks(each.max(1)).zip(shapes);
+        self.prepared = groups
+            .map(|(columns, shape)| Group {
+                made_for: Some(friction_key(shape)),
+                columns: columns.to_vec(),
+            })
+            .collect();
+        Ok(())
+    }
+
+    /// How many shapes are worth preparing together, for the memory that they take.
+    pub fn at_once(&self) -> usize {
+        (PREPARED / self.recording.velocity.len().max(1)).clamp(1, 16)
+    }
+
+    /// What friction is made of for a shape, beside its columns.
+    fn friction_curve(&mut self, shape: &Shape) -> Result<&FrictionCurve, IdentError> {
+        self.update_friction(shape)?;
+        let (recording, structure) = (self.recording, &self.structure);
+        Ok(self.curve.get_or_insert_with(|| FrictionCurve::of(recording, structure, shape)))
+    }
+
+    fn friction_columns(&self, curve: &FrictionCurve) -> Vec<Vec<f64>> {
+        let FrictionCurve { sign, near, .. } = curve;
         let mut columns = Vec::new();
         if self.structure.stribeck {
-            let near: Vec<f64> =
-                self.recording.velocity.iter().map(|v| (-(v / shape.v_s).powi(2)).exp()).collect();
-            let kinetic = sign.iter().zip(&near).map(|(sign, near)| sign * (1.0 - near)).collect();
-            let rest = sign.iter().zip(&near).map(|(sign, near)| sign * near).collect();
+            let kinetic = sign.iter().zip(near).map(|(sign, near)| sign * (1.0 - near)).collect();
+            let rest = sign.iter().zip(near).map(|(sign, near)| sign * near).collect();
             columns.extend(self.sides(kinetic));
             columns.extend(self.sides(rest));
         } else {
             columns.extend(self.sides(sign.clone()));
         }
         if self.structure.position {
-            let place = self.place();
-            columns.push(sign.iter().zip(&place).map(|(sign, x)| sign * x).collect());
-            columns.push(sign.iter().zip(&place).map(|(sign, x)| sign * x * x).collect());
+            let place = &self.place;
+            columns.push(sign.iter().zip(place).map(|(sign, x)| sign * x).collect());
+            columns.push(sign.iter().zip(place).map(|(sign, x)| sign * x * x).collect());
         }
         columns
-    }
-
-    /// Direction of motion, -1 to 1: the sign of the velocity, or the deflection of a bristle over
-    /// its limit.
-    ///
-    /// The bristle is Dahl's (1968), `z' = (v - |v| z) / displacement`, solved exactly over a
-    /// sample of constant velocity.
-    fn sign(&self, displacement: f64) -> Vec<f64> {
-        let Conditioned { velocity, velocity_floor, time_step, .. } = self.recording;
-        let sign = |v: f64| if v.abs() <= *velocity_floor { 0.0 } else { v.signum() };
-        if !self.structure.presliding {
-            return velocity.iter().map(|&v| sign(v)).collect();
-        }
-        // The bristle of each stretch begins at its own end of the curve, and keeps its deflection
-        // while the axis stands.
-        let lived = self.recording.history.as_deref().unwrap_or(velocity);
-        let mut along = Vec::with_capacity(velocity.len());
-        let mut at: Option<(usize, usize, f64)> = None;
-        for piece in &self.recording.pieces {
-            let Range { start, end } = piece.origin;
-            let (from, mut z) = match at {
-                Some((stretch, done, z)) if stretch == piece.stretch => (done, z),
-                _ => (start, lived.get(start).map_or(0.0, |&v| sign(v))),
-            };
-            for (k, v) in lived.iter().enumerate().take(end).skip(from) {
-                let limit = v.signum();
-                z = limit + (z - limit) * (-v.abs() * time_step / displacement).exp();
-                if k >= start {
-                    along.push(z);
-                }
-            }
-            at = Some((piece.stretch, end, z));
-        }
-        along
     }
 
     fn update_harmonic(&mut self, shape: &Shape) -> Result<(), IdentError> {
@@ -319,8 +369,7 @@ impl<'a> Regressors<'a> {
         if !self.structure.harmonic || self.harmonic.made_for == Some(key) {
             return Ok(());
         }
-        let columns = self.harmonic_columns(shape).into_iter().map(|column| self.smooth(column));
-        let columns = columns.collect::<Result<_, _>>()?;
+        let columns = self.smoothed(self.harmonic_columns(shape))?;
         self.harmonic = Group { made_for: Some(key), columns };
         Ok(())
     }
@@ -328,11 +377,14 @@ impl<'a> Regressors<'a> {
     fn harmonic_columns(&self, shape: &Shape) -> Vec<Vec<f64>> {
         let position = self.recording.position.as_deref().unwrap_or_default();
         let angle = |x: &f64| std::f64::consts::TAU * x / shape.period;
-        vec![
-            position.iter().map(|x| angle(x).cos()).collect(),
-            position.iter().map(|x| angle(x).sin()).collect(),
-        ]
+        let (sin, cos) = position.iter().map(|x| angle(x).sin_cos()).unzip();
+        vec![cos, sin]
     }
+}
+
+/// What the columns of friction depend on.
+fn friction_key(shape: &Shape) -> [f64; 2] {
+    [shape.v_s, shape.displacement]
 }
 
 /// Rows that a stretch gives: its end is left to the longest delay.

@@ -47,29 +47,61 @@ impl<'a> Search<'a> {
 
     /// The best fit without a starting point: grids one after the other, then all together.
     pub fn whole(&mut self) -> Result<Best, IdentError> {
-        let mut start = self.limits.start();
-        for term in ShapeTerm::of(&self.structure) {
+        let start = self.limits.start();
+        self.grown(&AxisStructure::SYMMETRIC, start)
+    }
+
+    /// The best fit from that of a structure that has less: grids for what is new, then all
+    /// together.
+    pub fn grown(&mut self, from: &AxisStructure, mut start: Shape) -> Result<Best, IdentError> {
+        let known = ShapeTerm::of(from);
+        let new = ShapeTerm::of(&self.structure).into_iter().filter(|term| !known.contains(term));
+        for term in new {
             // The delay's well is wide: it needs no grid. That of a period is narrow.
-            let grid = match term {
+            start = match term {
                 ShapeTerm::Delay => continue,
-                ShapeTerm::Period => self.periods(&start)?,
-                _ => self.limits.grid(term, 9),
+                ShapeTerm::Period => self.other_period(start)?,
+                _ => self.best_of(term, self.limits.grid(term, 9), start)?,
             };
-            let mut best = f64::INFINITY;
-            let mut chosen = start;
-            for value in grid {
-                let mut trial = start;
-                term.set(&mut trial, value);
-                let (matrix, force) = self.system(&trial)?;
+        }
+        self.from(start, &[])
+    }
+
+    /// `start` with the period that suits it best of all.
+    pub fn other_period(&mut self, start: Shape) -> Result<Shape, IdentError> {
+        let periods = self.periods(&start)?;
+        self.best_of(ShapeTerm::Period, periods, start)
+    }
+
+    /// `start` with the best of some values of a nonlinear parameter.
+    fn best_of(
+        &mut self,
+        term: ShapeTerm,
+        values: Vec<f64>,
+        start: Shape,
+    ) -> Result<Shape, IdentError> {
+        let mut best = f64::INFINITY;
+        let mut chosen = start;
+        let with = |&value: &f64| {
+            let mut trial = start;
+            term.set(&mut trial, value);
+            trial
+        };
+        let trials: Vec<Shape> = values.iter().map(with).collect();
+        for few in trials.chunks(self.regressors.at_once()) {
+            if term != ShapeTerm::Period {
+                self.regressors.prepare(few)?;
+            }
+            for trial in few {
+                let (matrix, force) = self.system(trial)?;
                 let sum = Projection::new(matrix)
                     .map(|projection| projection.rest(&force).1.norm_squared());
                 if let Some(sum) = sum.filter(|sum| *sum < best) {
-                    (best, chosen) = (sum, trial);
+                    (best, chosen) = (sum, *trial);
                 }
             }
-            start = chosen;
         }
-        self.from(start, &[])
+        Ok(chosen)
     }
 
     /// The periods that are worth a try with the other nonlinear parameters as they are.
@@ -88,6 +120,16 @@ impl<'a> Search<'a> {
 
     /// The best fit from a starting point, with some nonlinear parameters kept at it.
     pub fn from(&mut self, start: Shape, kept: &[ShapeTerm]) -> Result<Best, IdentError> {
+        self.closer(start, kept, 1e-8)
+    }
+
+    /// The same, done when the sum of squares does not fall by more than `enough` of itself.
+    pub fn closer(
+        &mut self,
+        start: Shape,
+        kept: &[ShapeTerm],
+        enough: f64,
+    ) -> Result<Best, IdentError> {
         let terms: Vec<ShapeTerm> = ShapeTerm::of(&self.structure)
             .into_iter()
             .filter(|term| !kept.contains(term))
@@ -97,7 +139,7 @@ impl<'a> Search<'a> {
             let bounds: Vec<_> = terms.iter().map(|&term| self.limits.bound(term)).collect();
             let from: Vec<f64> =
                 terms.iter().map(|&term| term.unknown(term.value(&start))).collect();
-            let patience = Patience { sum: 1e-8, step: 1e-5, iterations: 30, broyden: false };
+            let patience = Patience { sum: enough, step: 1e-5, iterations: 30, broyden: false };
             let mut problem = Separable { search: self, terms: &terms, start };
             let watch = &mut |_: &_| ControlFlow::Continue(());
             if let Some(minimum) = minimise(&mut problem, &from, &bounds, &patience, watch) {
@@ -144,23 +186,18 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Derivative of the predicted force with respect to one nonlinear parameter, the linear ones
-    /// kept, on all rows; by central differences within the bounds.
-    fn slope(
+    /// Derivatives of the predicted force with respect to nonlinear parameters, the linear ones kept,
+    /// on all rows.
+    fn slopes(
         &mut self,
         shape: &Shape,
         linear: &DVector<f64>,
-        term: ShapeTerm,
-    ) -> Result<DVector<f64>, IdentError> {
-        let value = term.value(shape);
-        let (low, high) = (term.value(&self.limits.low), term.value(&self.limits.high));
-        let h = 1e-4 * value.max(1e-2 * high);
-        let at = |to: f64| {
-            let mut moved = *shape;
-            term.set(&mut moved, to.clamp(low, high));
-            moved
-        };
-        self.regressors.slope(term, &at(value - h), &at(value + h), linear)
+        terms: &[ShapeTerm],
+    ) -> Result<Vec<DVector<f64>>, IdentError> {
+        let (low, high) = (self.limits.low.delay, self.limits.high.delay);
+        let h = 1e-4 * shape.delay.max(1e-2 * high);
+        let delays = [shape.delay - h, shape.delay + h].map(|delay| delay.clamp(low, high));
+        self.regressors.slopes(terms, shape, delays, linear)
     }
 
     /// All parameters together, linear ones first, as a minimum of least squares.
@@ -172,10 +209,10 @@ impl<'a> Search<'a> {
         jacobian.columns_mut(0, columns).copy_from(&-matrix);
         let mut x = linear.as_slice().to_vec();
         let mut held = vec![false; columns];
-        for (j, &term) in terms.iter().enumerate() {
+        let slopes = self.slopes(&best.shape, &linear, terms)?;
+        for (j, (&term, slope)) in terms.iter().zip(slopes).enumerate() {
             let value = term.value(&best.shape);
             let (low, high) = (term.value(&self.limits.low), term.value(&self.limits.high));
-            let slope = self.slope(&best.shape, &linear, term)?;
             jacobian.set_column(columns + j, &-slope);
             x.push(value);
             held.push(value <= low * (1.0 + 1e-9) || value >= high * (1.0 - 1e-9));
@@ -222,8 +259,8 @@ impl Residuals for Separable<'_, '_> {
         let Ok((matrix, force)) = self.search.system(&shape) else { return false };
         let Some(projection) = Projection::new(matrix) else { return false };
         let (linear, _) = projection.rest(&force);
-        for (j, &term) in self.terms.iter().enumerate() {
-            let Ok(slope) = self.search.slope(&shape, &linear, term) else { return false };
+        let Ok(slopes) = self.search.slopes(&shape, &linear, self.terms) else { return false };
+        for (j, (&term, slope)) in self.terms.iter().zip(slopes).enumerate() {
             let slope = self.search.values_of(&slope) * term.stretch(term.value(&shape));
             jacobian.set_column(j, &-projection.rest(&slope).1);
         }

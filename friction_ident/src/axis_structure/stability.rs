@@ -29,7 +29,7 @@ const RESOLVED: f64 = 0.1;
 const SLIP: f64 = 0.5;
 
 /// Takes the verdict `identified` from parameters that do not stay within their interval.
-pub(super) fn judge(search: &mut Search, best: &Best, estimates: &mut Estimates) {
+pub(super) fn judge(search: &mut Search, best: &Best, whole: &Whole, estimates: &mut Estimates) {
     let rows = search.regressors.rows();
     if rows / PARTS * (PARTS - 1) < ROWS_EACH * estimates.parameters.len() {
         return;
@@ -40,9 +40,8 @@ pub(super) fn judge(search: &mut Search, best: &Best, estimates: &mut Estimates)
         found.solution.x.iter().copied().chain(shape).collect()
     };
     let all = values(best);
-    let Ok(fit) = Whole::of(search, best) else { return };
-    let slopes = &fit.slopes;
-    let whole = variances(slopes);
+    let slopes = &whole.slopes;
+    let of_all = variances(slopes);
     let resolved = RESOLVED * search.limits.high.delay / LONGEST_DELAY as f64;
     let mut parameters = vec![Moved::default(); estimates.parameters.len()];
     for part in 0..PARTS {
@@ -50,7 +49,7 @@ pub(super) fn judge(search: &mut Search, best: &Best, estimates: &mut Estimates)
         let kept: Vec<usize> = (0..rows).filter(|row| !out.contains(row)).collect();
         // What is left may not show a term at all: then nothing is learnt from this part.
         let Some(left) = variances(&slopes.select_rows(&kept)) else { continue };
-        let values: Vec<f64> = match fit.without(search, out) {
+        let values: Vec<f64> = match whole.without(search, out) {
             Some(step) => all.iter().zip(step.change.iter()).map(|(all, by)| all + by).collect(),
             None => {
                 search.rows = Some(kept);
@@ -60,7 +59,7 @@ pub(super) fn judge(search: &mut Search, best: &Best, estimates: &mut Estimates)
         };
         for (j, (moved, estimate)) in parameters.iter_mut().zip(&estimates.parameters).enumerate() {
             let of = |all: &[f64]| all.get(j).copied().unwrap_or(f64::NAN);
-            let wider = whole.as_deref().map_or(1.0, |whole| (of(&left) / of(whole)).sqrt());
+            let wider = of_all.as_deref().map_or(1.0, |all| (of(&left) / of(all)).sqrt());
             if estimate.id.name != "delay" || (of(&values) - estimate.value).abs() > resolved {
                 moved.see(estimate, of(&values), wider);
             }
@@ -72,7 +71,7 @@ pub(super) fn judge(search: &mut Search, best: &Best, estimates: &mut Estimates)
         }
     }
     if terms.contains(&ShapeTerm::Period)
-        && let Some((low, high)) = periods(search, rows)
+        && let Some((low, high)) = periods(search, best, rows)
         && let Some(period) = estimates.get_mut("period")
     {
         doubt(period, Doubt::Unsteady { low, high });
@@ -123,11 +122,12 @@ fn variances(slopes: &DMatrix<f64>) -> Option<Vec<f64>> {
 }
 
 /// The periods that both halves find by themselves, where they are not one and the same wave.
-fn periods(search: &mut Search, rows: usize) -> Option<(f64, f64)> {
+fn periods(search: &mut Search, best: &Best, rows: usize) -> Option<(f64, f64)> {
     let travel = 0.5 * search.limits.high.period;
     let mut half = |from: usize, to: usize| {
         search.rows = Some((from..to).collect());
-        Some(search.whole().ok()?.shape.period)
+        let start = search.other_period(best.shape).ok()?;
+        Some(search.from(start, &[]).ok()?.shape.period)
     };
     let (first, second) = (half(0, rows / 2)?, half(rows / 2, rows)?);
     let differ = (travel / first - travel / second).abs() > SLIP;

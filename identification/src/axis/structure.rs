@@ -5,7 +5,7 @@ use std::thread;
 
 use friction_ident::axis_structure::{
     AxisStructure, AxisUnits, Choice, CrossValidation, StructureFit, UnknownStructure, blocks_for,
-    choose, cross_validate, fit_structure, growth,
+    choose, cross_validate_beside, fit_structure, growth,
 };
 use friction_ident::{Conditioned, IdentError, Prediction};
 
@@ -111,10 +111,11 @@ pub fn structured(
     };
     let mut scores: Vec<CrossValidation> = Vec::new();
     let mut refused: Vec<(AxisStructure, IdentError)> = Vec::new();
-    let work = |structure: &AxisStructure| {
-        Ok::<_, IdentError>(cross_validate(estimation, *structure, blocks))
-    };
     loop {
+        let known = scores.clone();
+        let work = |structure: &AxisStructure| {
+            Ok::<_, IdentError>(cross_validate_beside(estimation, *structure, blocks, &known))
+        };
         let not: Vec<AxisStructure> = refused.iter().map(|(structure, _)| *structure).collect();
         let next = wanted.next(&scores, &not, possible);
         if next.is_empty() {
