@@ -15,6 +15,8 @@ const REFINEMENTS: usize = 12;
 const CLOSE: f64 = 0.03;
 /// How exactly each sum is found, as a share of what the limit lies above the least.
 const EXACT: f64 = 1e-3;
+/// A straight step that takes off less than this share of the rise is as good as a search.
+const SHORT: f64 = 0.1;
 /// How far the logarithm of another parameter may be expected to move at once.
 const LEAP: f64 = 0.5;
 
@@ -85,13 +87,23 @@ impl Profile<'_> {
         let enough = EXACT * (limit - least) / least;
         // The root of the rise over its limit: about proportional to the distance, so that secants
         // arrive quickly.
-        let mut rise = |value: f64| match search.closer(self.start(&last, value), &[term], enough) {
-            Ok(found) => {
-                last = found.shape;
-                let over = found.solution.residual.norm_squared() - least;
-                over.max(0.0).sqrt() / (limit - least).sqrt() - 1.0
-            }
-            Err(_) => f64::INFINITY,
+        let mut rise = |value: f64| {
+            let start = self.start(&last, value);
+            let step = search.stepped(start, &[term]);
+            let sum = match step.filter(|step| step.gain < SHORT * (step.sum - least)) {
+                Some(step) => {
+                    last = step.shape;
+                    step.sum
+                }
+                None => match search.closer(start, &[term], enough) {
+                    Ok(found) => {
+                        last = found.shape;
+                        found.solution.residual.norm_squared()
+                    }
+                    Err(_) => return f64::INFINITY,
+                },
+            };
+            (sum - least).max(0.0).sqrt() / (limit - least).sqrt() - 1.0
         };
         let usual =
             estimate.standard_error.filter(|error| *error > 0.0).unwrap_or(0.1 * centre.abs());

@@ -26,6 +26,15 @@ pub(super) struct Best {
     pub solution: Solution,
 }
 
+/// Where a straight step arrives.
+pub(super) struct Stepped {
+    pub shape: Shape,
+    /// The sum of squares there.
+    pub sum: f64,
+    /// What the step takes off it.
+    pub gain: f64,
+}
+
 /// The search for the nonlinear parameters on some rows of a recording.
 pub(super) struct Search<'a> {
     pub regressors: Regressors<'a>,
@@ -148,6 +157,39 @@ impl<'a> Search<'a> {
         }
         let solution = self.solve(&shape)?;
         Ok(Best { shape, solution })
+    }
+
+    /// The sum of squares that a straight step from `start` would leave, with some nonlinear
+    /// parameters kept, where it arrives, and how much it takes off; none where there is no such step.
+    pub fn stepped(&mut self, start: Shape, kept: &[ShapeTerm]) -> Option<Stepped> {
+        let terms: Vec<ShapeTerm> = ShapeTerm::of(&self.structure)
+            .into_iter()
+            .filter(|term| !kept.contains(term))
+            .collect();
+        let limits = self.limits;
+        let x: Vec<f64> = terms.iter().map(|term| term.unknown(term.value(&start))).collect();
+        let mut problem = Separable { search: self, terms: &terms, start };
+        let mut residual = DVector::zeros(problem.len());
+        let mut slopes = DMatrix::zeros(residual.len(), terms.len());
+        if !problem.residuals(&x, residual.as_mut_slice())
+            || !problem.jacobian(&x, residual.as_slice(), &mut slopes)
+        {
+            return None;
+        }
+        let gradient = slopes.tr_mul(&residual);
+        let step = if terms.is_empty() {
+            DVector::zeros(0)
+        } else {
+            finite(slopes.tr_mul(&slopes))?.cholesky()?.solve(&-&gradient)
+        };
+        let gain = -gradient.dot(&step);
+        let mut shape = start;
+        for (&term, (x, step)) in terms.iter().zip(x.iter().zip(step.iter())) {
+            let value = term.natural(x + step);
+            term.set(&mut shape, value.clamp(term.value(&limits.low), term.value(&limits.high)));
+        }
+        let sum = residual.norm_squared() - gain;
+        sum.is_finite().then_some(Stepped { shape, sum, gain })
     }
 
     /// The linear parameters for given nonlinear ones.
