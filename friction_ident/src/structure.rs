@@ -9,7 +9,7 @@ use serde::{Serialize, Serializer};
 /// fields say what it has beside them.
 ///
 /// Written as a name: `symmetric` or `asymmetric`, then the rest joined by `+`, as in
-/// `asymmetric+stribeck+delay`.
+/// `asymmetric+stribeck+delay`. `damping` brings `presliding` with it.
 ///
 /// ```
 /// use friction_ident::axis_structure::AxisStructure;
@@ -29,6 +29,9 @@ pub struct AxisStructure {
     /// Friction passes through zero over a displacement after a reversal (Dahl's bristle) instead
     /// of in a step.
     pub presliding: bool,
+    /// The bristle damps itself: friction has a part that goes with the rate of its deflection, the
+    /// micro-damping of LuGre (Canudas de Wit et al. 1995). Only beside `presliding`.
+    pub damping: bool,
     /// The force acts later than it was recorded.
     pub delay: bool,
     /// The friction level and a constant force vary along the axis, as polynomials of the position.
@@ -43,9 +46,10 @@ pub struct AxisStructure {
 type Field = fn(&mut AxisStructure) -> &mut bool;
 
 /// The parts of a name, with what they switch on.
-const PARTS: [(&str, Field); 6] = [
+const PARTS: [(&str, Field); 7] = [
     ("stribeck", |s| &mut s.stribeck),
     ("presliding", |s| &mut s.presliding),
+    ("damping", |s| &mut s.damping),
     ("delay", |s| &mut s.delay),
     ("position", |s| &mut s.position),
     ("gravity", |s| &mut s.gravity),
@@ -59,6 +63,7 @@ impl AxisStructure {
         asymmetric: false,
         stribeck: false,
         presliding: false,
+        damping: false,
         delay: false,
         position: false,
         gravity: false,
@@ -69,10 +74,11 @@ impl AxisStructure {
 
     /// The structures that have one part more or one less, or another symmetry.
     pub fn neighbours(&self) -> Vec<Self> {
-        let fields: [Field; 7] = [
+        let fields: [Field; 8] = [
             |s| &mut s.asymmetric,
             |s| &mut s.stribeck,
             |s| &mut s.presliding,
+            |s| &mut s.damping,
             |s| &mut s.delay,
             |s| &mut s.position,
             |s| &mut s.gravity,
@@ -84,7 +90,9 @@ impl AxisStructure {
             *part = !*part;
             other
         };
-        fields.into_iter().map(changed).collect()
+        let mut near: Vec<Self> = fields.into_iter().map(changed).collect();
+        near.retain(|near| near.presliding || !near.damping);
+        near
     }
 
     /// All that there are.
@@ -109,6 +117,7 @@ impl AxisStructure {
             + extra(!self.asymmetric, 1)
             + extra(self.stribeck, sides + 1)
             + extra(self.presliding, 1)
+            + extra(self.damping, 1)
             + extra(self.delay, 1)
             + extra(self.position, 3)
             + extra(self.gravity, 2)
@@ -143,7 +152,7 @@ impl Serialize for AxisStructure {
 /// A name that is none of a structure.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{part}` in `{name}` is no part of an axis structure; expected `symmetric` or `asymmetric`, then any of stribeck, presliding, delay, \
+    "`{part}` in `{name}` is no part of an axis structure; expected `symmetric` or `asymmetric`, then any of stribeck, presliding, damping, delay, \
      position, gravity, harmonic, joined by `+` as in `asymmetric+stribeck+delay`"
 )]
 pub struct UnknownStructure {
@@ -170,6 +179,7 @@ impl FromStr for AxisStructure {
                 PARTS.iter().find(|(known, _)| *known == part).ok_or_else(|| unknown(part))?;
             *field(&mut structure) = true;
         }
+        structure.presliding |= structure.damping;
         Ok(structure)
     }
 }
@@ -183,6 +193,8 @@ mod tests {
         for structure in AxisStructure::all() {
             assert_eq!(structure.to_string().parse(), Ok(structure));
         }
+        let damped = "symmetric+damping".parse::<AxisStructure>().unwrap();
+        assert_eq!(damped.to_string(), "symmetric+presliding+damping");
         for (name, part) in [("", "``"), ("lugre", "`lugre`"), ("asymmetric+stribec", "`stribec`")]
         {
             let message = name.parse::<AxisStructure>().unwrap_err().to_string();
@@ -193,7 +205,8 @@ mod tests {
     #[test]
     fn all_are_reached_by_one_part_after_the_other() {
         let all = AxisStructure::all();
-        assert_eq!(all.len(), 1 << 7);
+        // Damping only where there is a bristle.
+        assert_eq!(all.len(), 3 << 6);
         for (i, a) in all.iter().enumerate() {
             assert!(!all[i + 1..].contains(a), "{a}");
         }

@@ -1,7 +1,7 @@
 """What an engineer with SciPy would do in an afternoon: the same recording, the usual filter, three models, scored on the part kept back.
 
-Reads jobs as a JSON list from standard input: folder, cutoff_hz, acceleration_cutoff_hz, order, trim, decimate. In each folder are `estimation.csv` and `validation.csv` with the columns time, q, (dq), tau. Prints a JSON list: for each
-job the relative error of the torque in the validation part, in per cent, of least squares (inertia, viscous and Coulomb friction, offset), of Dahl's model and of LuGre's beside the same inertia and offset. Rest counts nowhere: what a model says there is no prediction.
+Reads jobs as a JSON list from standard input: folder, cutoff_hz, acceleration_cutoff_hz, order, trim, decimate, stretches. In each folder are `estimation.csv` and `validation.csv` with the columns time, q, (dq), tau. Prints a JSON list: for each
+job the relative error of the torque in the validation part, in per cent, of least squares (inertia, viscous and Coulomb friction, offset), of Dahl's model and of LuGre's beside the same inertia and offset. Only the stretches of that part count that are named [s]: at rest, what a model says is no prediction.
 """
 
 import json
@@ -67,15 +67,11 @@ def lugre(v, h, f_c, f_s, v_s, sigma0, sigma1):
     return out
 
 
-# Slower than this share of the usual speed is rest.
-REST = 0.01
-
-
-def around(still, factor):
-    """How many of the samples around each one that is kept stand still, those of a reversal apart."""
-    longest = 10 * factor
-    runs = np.convolve(still, np.ones(longest), mode="same") >= longest
-    return np.convolve(runs, np.ones(longest), mode="same")[::factor]
+def inside(times, stretches, step):
+    """Whether each row lies in one of the stretches that count; all do where none are named."""
+    if stretches is None:
+        return np.full(times.size, True)
+    return np.any([(times > first - 0.5 * step) & (times < last + 0.5 * step) for first, last in stretches], axis=0)
 
 
 def linear(columns, tau):
@@ -93,9 +89,8 @@ def plain(job):
     factor = job["decimate"]
     (v, a, tau), (v2, a2, tau2) = (condition(table, job, h) for table in tables)
     y, y2 = thin(tau, factor), thin(tau2, factor)
-    still = np.abs(v2) < REST * np.sqrt(np.mean(v2**2))
-    # Of each thinned sample, whether the axis moves all around it.
-    moves = around(still, factor)[: y2.size] == 0
+    step = factor * h
+    moves = inside(job["trim"] * h + step * np.arange(y2.size), job["stretches"], step)
 
     def rows(v, a, friction):
         return [thin(a, factor), thin(v, factor), thin(friction, factor), thin(np.ones_like(v), factor)]

@@ -18,6 +18,11 @@ use crate::IdentError;
 use crate::conditioning::Conditioned;
 use crate::statistics::{Sample, student_95_of};
 
+/// Share of the sum of squares by which a search must still fall to go on: structures differ by far
+/// more.
+const ENOUGH: f64 = 1e-5;
+/// The same share that a step in place of a search may leave over.
+const OVER: f64 = 1e-3;
 /// Rows on each side of a block that take no part in its fit: the length of the anti-alias
 /// low-pass's memory, in thinned samples.
 const GUARD: usize = 15;
@@ -101,7 +106,7 @@ pub fn cross_validate_beside(
     };
     let simpler = known.iter().filter(simpler);
     let best = match simpler.min_by(|a, b| a.relative_error.total_cmp(&b.relative_error)) {
-        Some(simpler) => search.grown(&simpler.structure, simpler.shape)?,
+        Some(simpler) => search.grown(&simpler.structure, simpler.shape, ENOUGH)?,
         None => search.whole()?,
     };
     let whole = Whole::of(&mut search, &best)?;
@@ -109,7 +114,7 @@ pub fn cross_validate_beside(
     for block in 0..blocks {
         let (first, end) = (block * rows / blocks, (block + 1) * rows / blocks);
         let out = first.saturating_sub(guard)..(end + guard).min(rows);
-        let error = match whole.without(&search, out.clone()) {
+        let error = match whole.without(&search, out.clone(), OVER) {
             Some(step) => whole.rest(&step, first..end),
             None => searched(&mut search, &best, out, first..end)?,
         };
@@ -132,7 +137,7 @@ fn searched(
     block: Range<usize>,
 ) -> Result<DVector<f64>, IdentError> {
     search.rows = Some((0..search.regressors.rows()).filter(|k| !out.contains(k)).collect());
-    let found = search.from(best.shape, &[]);
+    let found = search.closer(best.shape, &[], ENOUGH);
     search.rows = None;
     let Best { shape, solution } = found?;
     let matrix = search.regressors.matrix(&shape)?;

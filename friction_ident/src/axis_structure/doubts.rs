@@ -20,7 +20,7 @@ pub(super) const SIGNED: [&str; 8] = [
 ];
 
 /// Parameters of friction, which takes energy: below zero they describe something else.
-const FRICTION: [&str; 3] = ["f_v", "f_c", "f_s"];
+const FRICTION: [&str; 4] = ["f_v", "f_c", "f_s", "sigma1"];
 
 /// Adds the doubts that no single parameter's error shows: a Stribeck velocity without a Stribeck
 /// effect, a period without a force.

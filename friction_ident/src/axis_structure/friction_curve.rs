@@ -15,6 +15,10 @@ pub(super) struct FrictionCurve {
     pub sign: Vec<f64>,
     /// Derivative of that with respect to the bristle's displacement; empty without a bristle.
     sign_slope: Vec<f64>,
+    /// Rate of the bristle's deflection \[m/s or rad/s\]; empty without damping.
+    pub rate: Vec<f64>,
+    /// Derivative of that with respect to the displacement.
+    rate_slope: Vec<f64>,
     /// One at rest and zero far from it; empty without a Stribeck curve.
     pub near: Vec<f64>,
     /// Derivative of that with respect to the Stribeck velocity.
@@ -30,15 +34,18 @@ pub(super) struct Levels {
     pub rest: [f64; 2],
     /// Change over half of the travel, and its curvature.
     pub along: [f64; 2],
+    /// Micro-damping, of the rate of the deflection.
+    pub damping: f64,
 }
 
 impl FrictionCurve {
     pub fn of(recording: &Conditioned, structure: &AxisStructure, shape: &Shape) -> Self {
-        let (sign, sign_slope) = if structure.presliding {
-            bristle(recording, shape.displacement)
+        let Bristle { sign, sign_slope, rate, rate_slope } = if structure.presliding {
+            Bristle::along(recording, shape.displacement, structure.damping)
         } else {
             let floor = recording.velocity_floor;
-            (recording.velocity.iter().map(|&v| direction(v, floor)).collect(), vec![])
+            let sign = recording.velocity.iter().map(|&v| direction(v, floor)).collect();
+            Bristle { sign, ..Bristle::default() }
         };
         let velocity: &[f64] = if structure.stribeck { &recording.velocity } else { &[] };
         let (near, near_slope) = velocity
@@ -49,7 +56,7 @@ impl FrictionCurve {
                 (near, 2.0 * near * ratio / shape.v_s)
             })
             .unzip();
-        Self { sign, sign_slope, near, near_slope }
+        Self { sign, sign_slope, rate, rate_slope, near, near_slope }
     }
 
     /// Derivative of the friction of `levels` with respect to the Stribeck velocity.
@@ -64,13 +71,14 @@ impl FrictionCurve {
     /// Derivative of the friction of `levels` with respect to the displacement, where `place` is the
     /// position from -1 to 1 (empty where nothing depends on it).
     pub fn by_displacement(&self, levels: &Levels, place: &[f64]) -> Vec<f64> {
-        let Levels { kinetic, rest, along } = levels;
+        let Levels { kinetic, rest, along, damping } = levels;
         let of = |(k, (sign, slope)): (usize, (&f64, &f64))| {
             let side = usize::from(*sign < 0.0);
             let near = self.near.get(k).copied().unwrap_or(0.0);
             let x = place.get(k).copied().unwrap_or(0.0);
             let level = kinetic[side] * (1.0 - near) + rest[side] * near;
-            slope * (level + along[0] * x + along[1] * x * x)
+            let damped = damping * self.rate_slope.get(k).copied().unwrap_or(0.0);
+            slope * (level + along[0] * x + along[1] * x * x) + damped
         };
         self.sign.iter().zip(&self.sign_slope).enumerate().map(of).collect()
     }
@@ -81,35 +89,54 @@ fn direction(v: f64, floor: f64) -> f64 {
     if v.abs() <= floor { 0.0 } else { v.signum() }
 }
 
-/// The deflection over its limit of Dahl's (1968) bristle, `z' = (v - |v| z) / displacement`, solved
-/// exactly over a sample of constant velocity, and its derivative with respect to the displacement.
-/// The bristle of each stretch begins at its own end of the curve, and keeps its deflection while
-/// the axis stands.
-fn bristle(recording: &Conditioned, displacement: f64) -> (Vec<f64>, Vec<f64>) {
-    let Conditioned { velocity, velocity_floor, time_step, pieces, history, .. } = recording;
-    let lived = history.as_deref().unwrap_or(velocity);
-    let mut along = (Vec::with_capacity(velocity.len()), Vec::with_capacity(velocity.len()));
-    let mut at: Option<(usize, usize, [f64; 2])> = None;
-    for piece in pieces {
-        let Range { start, end } = piece.origin;
-        let (from, [mut z, mut slope]) = match at {
-            Some((stretch, done, state)) if stretch == piece.stretch => (done, state),
-            _ => (start, [lived.get(start).map_or(0.0, |&v| direction(v, *velocity_floor)), 0.0]),
-        };
-        for (k, v) in lived.iter().enumerate().take(end).skip(from) {
-            let limit = v.signum();
-            let way = v.abs() * time_step / displacement;
-            let kept = (-way).exp();
-            slope = (slope + (z - limit) * way / displacement) * kept;
-            z = limit + (z - limit) * kept;
-            if k >= start {
-                along.0.push(z);
-                along.1.push(slope);
+/// A bristle along a recording.
+#[derive(Default)]
+struct Bristle {
+    sign: Vec<f64>,
+    sign_slope: Vec<f64>,
+    rate: Vec<f64>,
+    rate_slope: Vec<f64>,
+}
+
+impl Bristle {
+    /// The deflection over its limit of Dahl's (1968) bristle, `z' = (v - |v| z) / displacement`,
+    /// solved exactly over a sample of constant velocity, its mean rate over the sample, and their
+    /// derivatives with respect to the displacement. The bristle of each stretch begins at its own
+    /// end of the curve, and keeps its deflection while the axis stands.
+    fn along(recording: &Conditioned, displacement: f64, damping: bool) -> Self {
+        let Conditioned { velocity, velocity_floor, time_step, pieces, history, .. } = recording;
+        let lived = history.as_deref().unwrap_or(velocity);
+        let mut made = Self::default();
+        let mut at: Option<(usize, usize, [f64; 2])> = None;
+        for piece in pieces {
+            let Range { start, end } = piece.origin;
+            let own = || lived.get(start).map_or(0.0, |&v| direction(v, *velocity_floor));
+            let (from, [mut z, mut slope]) = match at {
+                Some((stretch, done, state)) if stretch == piece.stretch => (done, state),
+                _ => (start, [own(), 0.0]),
+            };
+            for (k, v) in lived.iter().enumerate().take(end).skip(from) {
+                let limit = v.signum();
+                let way = v.abs() * time_step / displacement;
+                let kept = (-way).exp();
+                let before = [z, slope];
+                slope = (slope + (z - limit) * way / displacement) * kept;
+                z = limit + (z - limit) * kept;
+                if k < start {
+                    continue;
+                }
+                made.sign.push(z);
+                made.sign_slope.push(slope);
+                if damping {
+                    let moved = [z - before[0], slope - before[1]].map(|by| by / time_step);
+                    made.rate.push(displacement * moved[0]);
+                    made.rate_slope.push(moved[0] + displacement * moved[1]);
+                }
             }
+            at = Some((piece.stretch, end, [z, slope]));
         }
-        at = Some((piece.stretch, end, [z, slope]));
+        made
     }
-    along
 }
 
 #[cfg(test)]
@@ -134,9 +161,9 @@ mod tests {
     #[test]
     fn derivatives_are_those_of_the_friction() {
         let recording = recording();
-        let structure =
-            AxisStructure { stribeck: true, presliding: true, ..AxisStructure::ASYMMETRIC };
-        let levels = Levels { kinetic: [3.0, 4.0], rest: [5.0, 3.5], along: [0.4, -0.2] };
+        let structure: AxisStructure = "asymmetric+stribeck+damping".parse().unwrap();
+        let levels =
+            Levels { kinetic: [3.0, 4.0], rest: [5.0, 3.5], along: [0.4, -0.2], damping: 5.0 };
         let place: Vec<f64> =
             recording.position.iter().flatten().map(|position| position / 0.3).collect();
         let at = |v_s: f64, displacement: f64| {
@@ -149,7 +176,8 @@ mod tests {
                     let (sign, near, x) = (curve.sign[k], curve.near[k], place[k]);
                     let side = usize::from(sign < 0.0);
                     let level = levels.kinetic[side] * (1.0 - near) + levels.rest[side] * near;
-                    sign * (level + levels.along[0] * x + levels.along[1] * x * x)
+                    let along = levels.along[0] * x + levels.along[1] * x * x;
+                    sign * (level + along) + levels.damping * curve.rate[k]
                 })
                 .collect()
         };

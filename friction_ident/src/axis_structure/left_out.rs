@@ -21,6 +21,10 @@ const STRAIGHT: f64 = 0.1;
 const STRAIGHT_DELAY: f64 = 0.5;
 /// The same of a period, in waves along the travel.
 const STRAIGHT_WAVES: f64 = 0.03;
+/// How much the nonlinear parameters are held back where a step is too long, at first.
+const HOLD: f64 = 1e-4;
+/// And at most.
+const MOST_HELD: f64 = 1e4;
 /// The least that must be left of a column, squared, when the others have been taken off it: less is
 /// lost in rounding.
 const LEAST_PIVOT: f64 = 1e-8;
@@ -73,15 +77,51 @@ impl Whole {
     }
 
     /// Without the rows in `out`; none where the model is not straight so far, or where what is left
-    /// does not show a parameter.
-    pub fn without(&self, search: &Search, out: Range<usize>) -> Option<Step> {
+    /// does not show a parameter. Along a valley, where the step is long and gains nothing, a shorter
+    /// one predicts as well: it may leave `over` a share of the sum of squares.
+    pub fn without(&self, search: &Search, out: Range<usize>, over: f64) -> Option<Step> {
         let count = out.len();
         let (slopes, residual) =
             (self.slopes.rows(out.start, count), self.residual.rows(out.start, count));
+        let left = self.residual.norm_squared() - residual.norm_squared();
         let (mut normal, mut gradient) = (slopes.tr_mul(&slopes), slopes.tr_mul(&residual));
         scaled(&mut normal, &mut gradient, &self.scale);
         let (normal, gradient) = (&self.normal - normal, &self.gradient - gradient);
-        let of_free = normal.select_rows(&self.free).select_columns(&self.free);
+        let sum = |change: &DVector<f64>| {
+            left + 2.0 * gradient.dot(change) + change.dot(&(&normal * change))
+        };
+        let longest = self.step(&normal, &gradient, 0.0)?;
+        let least = sum(&longest);
+        let mut change = longest;
+        let mut hold = HOLD;
+        while !self.is_straight(search, &change) {
+            change = self.step(&normal, &gradient, hold)?;
+            hold *= 10.0;
+            let as_good = sum(&change) - least <= over * least;
+            if !as_good || hold > MOST_HELD {
+                return None;
+            }
+        }
+        // A bound that holds with all rows may let go without some.
+        let pull = &gradient + &normal * &change;
+        if self.held.iter().any(|&(j, upper)| if upper { pull[j] > 0.0 } else { pull[j] < 0.0 }) {
+            return None;
+        }
+        change.iter_mut().zip(&self.scale).for_each(|(change, scale)| *change /= scale);
+        Some(Step { change })
+    }
+
+    /// The step of the free parameters, in units of the scale, with the nonlinear ones held back.
+    fn step(
+        &self,
+        normal: &DMatrix<f64>,
+        gradient: &DVector<f64>,
+        hold: f64,
+    ) -> Option<DVector<f64>> {
+        let mut of_free = normal.select_rows(&self.free).select_columns(&self.free);
+        for (k, _) in self.free.iter().enumerate().filter(|(_, j)| **j >= self.linear) {
+            of_free[(k, k)] += hold;
+        }
         let factor = finite(of_free)?.cholesky()?;
         if factor.l_dirty().diagonal().iter().any(|pivot| pivot * pivot < LEAST_PIVOT) {
             return None;
@@ -91,16 +131,7 @@ impl Whole {
         for (&j, step) in self.free.iter().zip(step.iter()) {
             change[j] = *step;
         }
-        // A bound that holds with all rows may let go without some.
-        let pull = &gradient + &normal * &change;
-        if self.held.iter().any(|&(j, upper)| if upper { pull[j] > 0.0 } else { pull[j] < 0.0 }) {
-            return None;
-        }
-        change.iter_mut().zip(&self.scale).for_each(|(change, scale)| *change /= scale);
-        let straight = |(j, term): (usize, &ShapeTerm)| {
-            self.is_straight(search, *term, change[self.linear + j])
-        };
-        self.terms.iter().enumerate().all(straight).then_some(Step { change })
+        Some(change)
     }
 
     /// How the unknowns of the other nonlinear parameters follow that of `term`, where the sum of
@@ -130,17 +161,23 @@ impl Whole {
         self.residual.rows(range.start, range.len()) + slopes * &step.change
     }
 
-    fn is_straight(&self, search: &Search, term: ShapeTerm, change: f64) -> bool {
+    /// Whether no nonlinear parameter moves further than the model is straight, or out of its limits;
+    /// `change` in units of the scale.
+    fn is_straight(&self, search: &Search, change: &DVector<f64>) -> bool {
         let limits = &search.limits;
-        let value = term.value(&self.shape);
-        let to = value + change;
-        let within = term.value(&limits.low) <= to && to <= term.value(&limits.high);
-        let reach = match term {
-            ShapeTerm::Delay => STRAIGHT_DELAY * limits.high.delay / LONGEST_DELAY as f64,
-            ShapeTerm::Period => STRAIGHT_WAVES * value * value / (0.5 * limits.high.period),
-            ShapeTerm::StribeckVelocity | ShapeTerm::Displacement => STRAIGHT * value,
-        };
-        within && change.abs() <= reach
+        self.terms.iter().enumerate().all(|(j, term)| {
+            let j = self.linear + j;
+            let change = change[j] / self.scale[j];
+            let value = term.value(&self.shape);
+            let to = value + change;
+            let within = term.value(&limits.low) <= to && to <= term.value(&limits.high);
+            let reach = match term {
+                ShapeTerm::Delay => STRAIGHT_DELAY * limits.high.delay / LONGEST_DELAY as f64,
+                ShapeTerm::Period => STRAIGHT_WAVES * value * value / (0.5 * limits.high.period),
+                ShapeTerm::StribeckVelocity | ShapeTerm::Displacement => STRAIGHT * value,
+            };
+            change == 0.0 || within && change.abs() <= reach
+        })
     }
 }
 

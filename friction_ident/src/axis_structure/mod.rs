@@ -3,13 +3,14 @@
 //!
 //! ```text
 //! force(t) = inertia a + f_v v + z (f_c + (f_s - f_c) exp(-(v/v_s)^2)) + offset        all at t + delay
+//!          + sigma1 dz/dt, z here in m or rad                                       damping
 //!          + spring xi + z (f_c_slope xi + f_c_curvature xi^2)                         position, xi from -1 to 1 along the axis
 //!          + gravity_sin sin q + gravity_cos cos q                             gravity, q the angle
 //!          + harmonic_cos cos(2 pi x / period) + harmonic_sin sin(2 pi x / period)     harmonic
 //! ```
 //!
 //! `z` is the sign of the velocity, or with pre-sliding the deflection of Dahl's bristle over its
-//! limit. With `asymmetric` the coefficients of the parts that push forward and backward are
+//! limit; with damping it resists being deflected, as LuGre's does. With `asymmetric` the coefficients of the parts that push forward and backward are
 //! parameters of their own, and no offset is left to be told from them.
 //!
 //! [`fit_structure`] estimates one structure by separable least squares, [`cross_validate`] tells

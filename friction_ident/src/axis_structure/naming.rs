@@ -69,6 +69,9 @@ pub(super) fn unknowns(structure: &AxisStructure, units: &AxisUnits) -> Vec<Unkn
         add("f_c_slope".into(), units.force, TRAVEL);
         add("f_c_curvature".into(), units.force, TRAVEL);
     }
+    if structure.damping {
+        add("sigma1".into(), units.viscous, REVERSALS);
+    }
     if structure.harmonic {
         add("harmonic_cos".into(), units.force, TRAVEL);
         add("harmonic_sin".into(), units.force, TRAVEL);

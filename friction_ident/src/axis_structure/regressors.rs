@@ -178,7 +178,7 @@ impl<'a> Regressors<'a> {
 
     /// The levels of friction among the linear parameters.
     fn levels(&self, linear: &DVector<f64>) -> Levels {
-        let AxisStructure { asymmetric, stribeck, position, .. } = self.structure;
+        let AxisStructure { asymmetric, stribeck, position, damping, .. } = self.structure;
         let value = |j: usize| linear.get(self.fixed.len() + j).copied().unwrap_or(0.0);
         let sides = if asymmetric { 2 } else { 1 };
         let level = |first: usize| [value(first), value(first + sides - 1)];
@@ -186,7 +186,8 @@ impl<'a> Regressors<'a> {
         let rest = if stribeck { level(sides) } else { kinetic };
         let first = if stribeck { 2 * sides } else { sides };
         let along = if position { [value(first), value(first + 1)] } else { [0.0; 2] };
-        Levels { kinetic, rest, along }
+        let damping = if damping { value(if position { first + 2 } else { first }) } else { 0.0 };
+        Levels { kinetic, rest, along, damping }
     }
 
     /// The delay in samples.
@@ -346,7 +347,7 @@ impl<'a> Regressors<'a> {
     }
 
     fn friction_columns(&self, curve: &FrictionCurve) -> Vec<Vec<f64>> {
-        let FrictionCurve { sign, near, .. } = curve;
+        let FrictionCurve { sign, near, rate, .. } = curve;
         let mut columns = Vec::new();
         if self.structure.stribeck {
             let kinetic = sign.iter().zip(near).map(|(sign, near)| sign * (1.0 - near)).collect();
@@ -360,6 +361,9 @@ impl<'a> Regressors<'a> {
             let place = &self.place;
             columns.push(sign.iter().zip(place).map(|(sign, x)| sign * x).collect());
             columns.push(sign.iter().zip(place).map(|(sign, x)| sign * x * x).collect());
+        }
+        if self.structure.damping {
+            columns.push(rate.clone());
         }
         columns
     }

@@ -16,6 +16,8 @@ use crate::finite::finite;
 use crate::least_squares::{self, Solution};
 use crate::{Ending, IdentError};
 
+/// Share of the sum of squares by which a search for parameters must still fall to go on.
+const EXACT: f64 = 1e-8;
 /// Periods that are looked at, and how many of them are tried.
 const PERIODS: usize = 400;
 const TRIED: usize = 3;
@@ -57,12 +59,17 @@ impl<'a> Search<'a> {
     /// The best fit without a starting point: grids one after the other, then all together.
     pub fn whole(&mut self) -> Result<Best, IdentError> {
         let start = self.limits.start();
-        self.grown(&AxisStructure::SYMMETRIC, start)
+        self.grown(&AxisStructure::SYMMETRIC, start, EXACT)
     }
 
     /// The best fit from that of a structure that has less: grids for what is new, then all
-    /// together.
-    pub fn grown(&mut self, from: &AxisStructure, mut start: Shape) -> Result<Best, IdentError> {
+    /// together, until the sum of squares does not fall by more than `enough` of itself.
+    pub fn grown(
+        &mut self,
+        from: &AxisStructure,
+        mut start: Shape,
+        enough: f64,
+    ) -> Result<Best, IdentError> {
         let known = ShapeTerm::of(from);
         let new = ShapeTerm::of(&self.structure).into_iter().filter(|term| !known.contains(term));
         for term in new {
@@ -73,7 +80,7 @@ impl<'a> Search<'a> {
                 _ => self.best_of(term, self.limits.grid(term, 9), start)?,
             };
         }
-        self.from(start, &[])
+        self.closer(start, &[], enough)
     }
 
     /// `start` with the period that suits it best of all.
@@ -129,7 +136,7 @@ impl<'a> Search<'a> {
 
     /// The best fit from a starting point, with some nonlinear parameters kept at it.
     pub fn from(&mut self, start: Shape, kept: &[ShapeTerm]) -> Result<Best, IdentError> {
-        self.closer(start, kept, 1e-8)
+        self.closer(start, kept, EXACT)
     }
 
     /// The same, done when the sum of squares does not fall by more than `enough` of itself.

@@ -49,7 +49,7 @@ pub(super) fn judge(search: &mut Search, best: &Best, whole: &Whole, estimates: 
         let kept: Vec<usize> = (0..rows).filter(|row| !out.contains(row)).collect();
         // What is left may not show a term at all: then nothing is learnt from this part.
         let Some(left) = variances(&slopes.select_rows(&kept)) else { continue };
-        let values: Vec<f64> = match whole.without(search, out) {
+        let values: Vec<f64> = match whole.without(search, out, 0.0) {
             Some(step) => all.iter().zip(step.change.iter()).map(|(all, by)| all + by).collect(),
             None => {
                 search.rows = Some(kept);

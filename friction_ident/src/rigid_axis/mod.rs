@@ -139,6 +139,21 @@ pub struct Prediction {
 }
 
 impl Prediction {
+    /// The stretches of time that the rows fill without a gap, first and last row of each \[s\]. What
+    /// lies between them was at rest, or was not recorded.
+    pub fn stretches(&self) -> Vec<[f64; 2]> {
+        let steps = self.time.windows(2).filter_map(|pair| Some(pair.last()? - pair.first()?));
+        let step = steps.fold(f64::INFINITY, f64::min);
+        let mut stretches: Vec<[f64; 2]> = Vec::new();
+        for &time in &self.time {
+            match stretches.last_mut() {
+                Some([_, last]) if time - *last <= 1.5 * step => *last = time,
+                _ => stretches.push([time, time]),
+            }
+        }
+        stretches
+    }
+
     /// Measured minus predicted force \[N or N m\].
     pub fn residual(&self) -> Vec<f64> {
         self.measured

@@ -226,6 +226,7 @@ pub fn document(found: &Structured) -> Value {
         "effective_share": found.fit.effective_share,
         "standard_errors": METHOD,
         "cross_test_relative_error_percent": found.validation.as_ref().map(|other| other.relative_error),
+        "cross_test_stretches_s": found.validation.as_ref().map(Prediction::stretches),
         "notes": found.fit.notes(),
     })
 }

@@ -80,7 +80,7 @@ fn model(fit: &StructureFit) -> Result<AnyModel, ModelError> {
             ("v_s", v_s),
             ("delta", 2.0),
             ("sigma0", f_c / fit.shape.displacement),
-            ("sigma1", 0.0),
+            ("sigma1", fit.estimates.value("sigma1").unwrap_or(0.0).max(0.0)),
             ("f_v", *f_v),
         ];
         for (name, value) in values {

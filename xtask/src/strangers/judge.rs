@@ -49,6 +49,8 @@ pub struct Answer {
     pub parameters: Vec<Judged>,
     /// Relative error of the torque in the part kept back \[%\].
     pub held_out: Option<f64>,
+    /// Stretches of the part kept back that the error was taken over \[s\].
+    pub stretches: Value,
     /// Conditioning, for the peer: cutoff_hz, acceleration_cutoff_hz, order, trim, decimate.
     pub settings: Value,
 }
@@ -93,6 +95,7 @@ pub fn ask(program: &Path, folder: &Path, truth: &Truth, options: &[&str]) -> Re
         warnings: vec![],
         parameters: vec![],
         held_out: None,
+        stretches: Value::Null,
         settings: Value::Null,
     };
     let mut output = run(&[])?;
@@ -131,6 +134,7 @@ pub fn ask(program: &Path, folder: &Path, truth: &Truth, options: &[&str]) -> Re
     answer.chosen = structure["chosen"].as_str().unwrap_or("symmetric").to_owned();
     if structure.is_object() {
         answer.held_out = structure["cross_test_relative_error_percent"].as_f64();
+        answer.stretches = structure["cross_test_stretches_s"].clone();
         answer.parameters = of_structure(&structure["parameters"]["parameters"], truth);
     } else {
         let model = &document["symmetric"];

@@ -105,6 +105,7 @@ fn peers(root: &Path, cases: &mut [Case]) -> Result<()> {
         if let Value::Object(settings) = &case.answer.settings {
             let mut job = settings.clone();
             job.insert("folder".to_owned(), json!(root.join(case.number.to_string())));
+            job.insert("stretches".to_owned(), case.answer.stretches.clone());
             asked.push((case.number, job));
         }
     }
