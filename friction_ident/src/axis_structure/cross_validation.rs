@@ -29,7 +29,7 @@ const GUARD: usize = 15;
 /// Blocks where the recording is long enough for them.
 const USUAL: usize = 8;
 /// Share of the best error by which another may be larger and still count as alike.
-const ALIKE: f64 = 0.1;
+const ALIKE: f64 = 0.05;
 /// The guard of a recording of so few rows: its strongest neighbours.
 const SHORTEST_GUARD: usize = 3;
 
