@@ -113,7 +113,7 @@ impl LowPass {
                 what: "the zero-phase low-pass",
                 needed: pad + 1,
                 found: n,
-                lower: "the filter order",
+                lower: Some("the filter order"),
             });
         }
         let (first, last) = (signal[0], signal[n - 1]);

@@ -83,7 +83,7 @@ impl ServoLog {
                 what: "a servo log",
                 needed: 3,
                 found: n,
-                lower: "nothing",
+                lower: None,
             });
         }
         let channels: [(&'static str, &[f64]); 4] = [
