@@ -301,7 +301,7 @@ pub enum IdentError {
     #[error("the number of elements must lie between 1 and 16, but is {0}")]
     ElementCount(usize),
     /// No log at all.
-    #[error("there is no servo log to fit; give at least one whose gain is not held out")]
+    #[error("there is no servo log to fit: every log is held out; give at least one that is not")]
     NoLogs,
     /// The nonlinear solver stopped without a result.
     #[error("the least squares solver gave up: {0}; check the points for outliers")]
