@@ -110,6 +110,16 @@ fn logs_that_cannot_be_used_are_refused_in_a_sentence_and_nothing_is_written() {
     massless["mass"] = json!(0.0);
     write("massless.json", massless.to_string());
 
+    let mut still = log(200.0);
+    for entry in still["entries"].as_array_mut().unwrap() {
+        entry["position"] = json!(0.1);
+        entry["speed"] = json!(0.0);
+    }
+    write("still.json", still.to_string());
+    let mut worded = log(200.0);
+    worded["entries"][16]["position"] = json!("abc");
+    write("worded.json", worded.to_string());
+
     let mut nameless = log(200.0);
     nameless.as_object_mut().unwrap().remove("motor");
     write("nameless.json", nameless.to_string());
@@ -121,11 +131,14 @@ fn logs_that_cannot_be_used_are_refused_in_a_sentence_and_nothing_is_written() {
         (&["cut.json"][..], &["cut.json", "line 1"][..]),
         (&["nan.json"], &["nan.json", "line 1"]),
         (&["no_goal.json"], &["no_goal.json", "missing field `goal_position`"]),
-        (&["empty.json"], &["empty.json", "at least 3 samples", "0"]),
+        (&["empty.json"], &["empty.json", "`entries` is empty", "record it again"]),
+        (&["still.json"], &["still.json", "turns by 0 mrad", "the goal moves by"]),
+        (&["worded.json"], &["worded.json", "entry 17", "`position`", "\"abc\""]),
         (&["massless.json"], &["massless.json", "mass"]),
         (&["nowhere.json"], &["nowhere.json"]),
         (&["kp100.json", "empty.json"], &["empty.json"]),
-        (&["kp400.json", "--hold-out", "kp=400"], &["log"]),
+        (&["kp400.json", "--hold-out", "kp=400"], &["every log is held out"]),
+        (&["kp100.json", "--hold-out", "trajectory"], &["'trajectory=sine'", "the logs have sine"]),
         (&["kp100.json", "--hold-out", "kp=400"], &["kp=400", "the logs have 100"]),
         (
             &["kp100.json", "--hold-out", "colour=red"],
