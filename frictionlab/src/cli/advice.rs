@@ -82,7 +82,7 @@ fn of_recording(error: &RecordingError) -> String {
             " (--effort driving or --effort friction)".to_owned()
         }
         RecordingError::TimeUnit { column, scale, .. } => format!(" (--time {column}:{scale:e})"),
-        RecordingError::NoEffort { .. } => " (--torque-from-voltage)".to_owned(),
+        RecordingError::NoEffort { voltage: true, .. } => " (--torque-from-voltage)".to_owned(),
         RecordingError::Bag(error) => of_bag(error),
         _ => String::new(),
     }
