@@ -4,6 +4,7 @@
 //! shorter than the header is an error: values would stand under the wrong name.
 
 mod cells;
+mod decoding;
 mod dialect;
 mod encoding;
 mod find;
@@ -33,6 +34,7 @@ use named::Named;
 use refusals::damaged;
 use value::Values;
 
+pub(super) use decoding::Decoding;
 pub use dialect::{Dialect, Separator};
 pub use encoding::Encoding;
 pub(super) use flow::Flow;
