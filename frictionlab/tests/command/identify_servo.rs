@@ -210,6 +210,28 @@ fn given_parameters_are_scored_log_by_log_without_a_fit() {
 }
 
 #[test]
+fn a_first_look_at_a_log_says_what_it_holds_and_which_command_reads_it() {
+    let folder = folder();
+    let run = |args: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_frictionlab"));
+        command.current_dir(folder.path()).args(args).output().unwrap()
+    };
+    let output = run(&["look", "kp100.json", "--out", "seen"]);
+    let shown = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    for part in ["XL330", "300, 1.555 s at 192 Hz", "frictionlab identify-servo kp100.json"] {
+        assert!(shown.contains(part), "{part}: {shown}");
+    }
+    let text = std::fs::read_to_string(folder.path().join("seen/look.json")).unwrap();
+    let seen: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!((&seen["form"], &seen["entries"]), (&json!("servo_log"), &json!(300)));
+    // The command for tables names the one for logs.
+    let output = run(&["identify", "kp100.json"]);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(2) && said.contains("identify-servo"), "{said}");
+}
+
+#[test]
 fn the_servos_that_are_described_are_listed_with_an_example() {
     let output = command(Path::new("."), &["--list-servos"]).output().unwrap();
     let shown = String::from_utf8(output.stdout).unwrap();
