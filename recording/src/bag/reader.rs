@@ -344,11 +344,11 @@ fn options() -> LinearReaderOptions {
         .with_validate_chunk_crcs(true)
 }
 
+/// Messages as they come.
+type Messages = MessageReader<BufReader<Take<Box<dyn ReadAt>>>>;
+
 /// The messages of a file as long as it was when it was opened: one that grows comes to an end.
-fn message_reader(
-    file: &McapFile,
-    options: LinearReaderOptions,
-) -> Result<MessageReader<BufReader<Take<Box<dyn ReadAt>>>>, BagError> {
+fn message_reader(file: &McapFile, options: LinearReaderOptions) -> Result<Messages, BagError> {
     let (bytes, length) = file.read()?;
     let bytes = BufReader::with_capacity(1 << 18, bytes.take(length));
     Ok(MessageReader::new_with_options(bytes, options))

@@ -19,8 +19,11 @@ pub(super) struct Stamp {
     /// Since 1970, or since midnight where there is no date \[ns\].
     pub nanoseconds: i64,
     /// The date as it is written, where its day and month may be either.
-    pub unsure: Option<(u32, u32, i32)>,
+    pub unsure: Option<Written>,
 }
+
+/// The numbers of a date as they are written, the year last.
+type Written = (u32, u32, i32);
 
 /// The moment in a cell; none for what is no such time.
 pub(super) fn read(cell: &str) -> Option<Stamp> {
@@ -54,7 +57,7 @@ fn time_of_day(text: &str) -> Option<NaiveTime> {
 }
 
 /// A date that ends with the year, and itself where its order is not known.
-fn day_and_month(text: &str) -> Option<(NaiveDate, Option<(u32, u32, i32)>)> {
+fn day_and_month(text: &str) -> Option<(NaiveDate, Option<Written>)> {
     let mark = text.chars().find(|c| !c.is_ascii_digit())?;
     let mut parts = text.split(mark);
     let [Some(first), Some(second), Some(year), None] = [(); 4].map(|()| parts.next()) else {
