@@ -138,8 +138,8 @@ fn switch<'de, D: Deserializer<'de>>(from: D) -> Result<bool, D::Error> {
 /// Reads a log.
 ///
 /// # Errors
-/// [`RecordingError`] with the file, and what is wrong with which field of which entry; the line and
-/// column where its text is no JSON.
+/// [`RecordingError`] with the file, and what is wrong with which field of which entry; the line
+/// and column where its text is no JSON.
 pub fn read(path: &Path) -> Result<ServoFile, RecordingError> {
     let bytes = files::input::table(path)
         .map_err(|source| RecordingError::Read { path: path.into(), source })?;

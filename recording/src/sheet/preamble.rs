@@ -32,11 +32,26 @@ pub(super) fn lines_above_names(text: &[u8]) -> usize {
             lines.iter().skip(from).take(ROWS + 1).map(|(_, line)| line.as_str()).collect();
         Separator::ALL.into_iter().any(|separator| are_names(separator, &below))
     };
-    (0..lines.len()).find(|from| fits(*from)).map_or(0, |from| lines[from].0)
+    let from = (0..lines.len()).find(|from| fits(*from)).or_else(|| above_numbers(&lines));
+    from.map_or(0, |from| lines[from].0)
 }
 
-/// Whether the first of the lines has names, and those below it have values for them; the second may
-/// have units.
+/// The first row of a table of numbers alone, below lines that are no rows.
+fn above_numbers(lines: &[(usize, String)]) -> Option<usize> {
+    /// Columns that it must have: two may be one with a decimal comma.
+    const COLUMNS: usize = 3;
+    [Separator::Tab, Separator::Semicolon, Separator::Comma].into_iter().find_map(|separator| {
+        let cells: Vec<Vec<&str>> = lines.iter().map(|(_, line)| separator.split(line)).collect();
+        let first = cells.iter().position(|cells| cells.len() > 1)?;
+        let rows = cells.get(first..)?.iter().take(ROWS);
+        let count = cells[first].len();
+        let all = |row: &Vec<&str>| row.len() == count && row.iter().all(|cell| is_value(cell));
+        (first > 0 && count >= COLUMNS && rows.clone().all(all)).then_some(first)
+    })
+}
+
+/// Whether the first of the lines has names, and those below it have values for them; the second
+/// may have units.
 fn are_names(separator: Separator, lines: &[&str]) -> bool {
     let [names, rows @ ..] = lines else { return false };
     let names = separator.split(names);
@@ -101,6 +116,8 @@ mod tests {
             ("\"Name\",\"Rig 5\"\n\"Rate\",\"500\"\nt_s,q,tau\n0,1,2\n1,1,2\n", 2),
             ("Rig of ours\nTime;q;tau\n13.02.2026 10:11:12,5;1;2\n", 1),
             ("of ours\nmade by hand\nt q tau\n0 1 2\n0.1 1 2\n", 2),
+            ("Rig 5, run 3\nof ours\n0;1;2\n1;2;3\n", 2),
+            ("q\n0,5\n0,7\n", 0),
             // Nothing fits: whoever reads it says so.
             ("t,q,tau\n0,0,1,5,2,0\n", 0),
             ("a\nb\nc\n", 0),

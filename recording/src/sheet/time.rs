@@ -97,7 +97,7 @@ impl Sheet<'_> {
     }
 }
 
-/// A name in small letters, whatever stands between its words: `/stamp/sec` and `stamp.sec` are one.
+/// A name in small letters, whatever stands between its words: `/stamp/sec` is `_stamp_sec`.
 fn ended(name: &str) -> String {
     let parts = units::parts(name);
     let bare = if parts.bracketed { parts.stem } else { name };
