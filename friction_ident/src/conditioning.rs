@@ -357,7 +357,7 @@ pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, I
             what: "conditioning (low-pass and trimming)",
             needed,
             found: n,
-            lower: "the trim or the filter order",
+            lower: Some("the trim or the filter order"),
         });
     }
     let position = signals.position.map(|position| filter.filter(position)).transpose()?;

@@ -11,7 +11,8 @@ use crate::structure::AxisStructure;
 pub enum IdentError {
     /// The recording is too short for what was asked.
     #[error(
-        "{what} needs at least {needed} samples, but there are {found}; record longer, or lower {lower}"
+        "{what} needs at least {needed} samples, but there are {found}; record longer{}",
+        lower.map_or_else(String::new, |lower| format!(", or lower {lower}"))
     )]
     TooFewSamples {
         /// The step that needs them.
@@ -20,8 +21,8 @@ pub enum IdentError {
         needed: usize,
         /// How many came.
         found: usize,
-        /// What may be lowered instead.
-        lower: &'static str,
+        /// What may be lowered instead, if anything.
+        lower: Option<&'static str>,
     },
     /// A value is NaN, infinite or beyond anything that can be measured.
     #[error(
@@ -300,7 +301,7 @@ pub enum IdentError {
     #[error("the number of elements must lie between 1 and 16, but is {0}")]
     ElementCount(usize),
     /// No log at all.
-    #[error("there is no servo log to fit; give at least one whose gain is not held out")]
+    #[error("there is no servo log to fit: every log is held out; give at least one that is not")]
     NoLogs,
     /// The nonlinear solver stopped without a result.
     #[error("the least squares solver gave up: {0}; check the points for outliers")]

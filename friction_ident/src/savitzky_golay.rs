@@ -105,7 +105,7 @@ impl SavitzkyGolay {
                 what: "Savitzky-Golay smoothing",
                 needed: frame,
                 found: n,
-                lower: "the frame",
+                lower: Some("the frame"),
             });
         }
         let read = |k: usize| {

@@ -41,8 +41,8 @@ pub(crate) struct Needed {
     pub points: usize,
     /// How many different speeds above zero.
     pub speeds: usize,
-    /// What may be lowered instead.
-    pub lower: &'static str,
+    /// What may be lowered instead, if anything.
+    pub lower: Option<&'static str>,
 }
 
 /// Checks the points and returns the slowest and fastest speed.

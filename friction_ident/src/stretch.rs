@@ -107,7 +107,7 @@ impl Stretch {
                 what: "a stretch of a recording",
                 needed: 2,
                 found: n,
-                lower: "nothing",
+                lower: None,
             });
         }
         let channels = [

@@ -149,7 +149,7 @@ impl LowPass {
                 what: "the zero-phase low-pass",
                 needed: pad + 1,
                 found: n,
-                lower: "the filter order",
+                lower: Some("the filter order"),
             });
         }
         let at = |i: usize| signals.map(|signal| signal[i]);

@@ -323,19 +323,35 @@ pub enum RecordingError {
         /// What is wrong with it.
         detail: String,
     },
-    /// A bag's message of joint states without velocity or effort.
+    /// The messages of a joint lack what is needed of them.
     #[error(
-        "message {index} of {topic} in {}: expected an effort, and a velocity or a position, but they are not all there; a rig without a \
-         torque sensor needs its voltage and the constants of its motor instead",
-        path.display()
+        "{} of {topic} in {} has no {lacks} that is a number in {without} of {all} messages{}",
+        joint.as_ref().map_or_else(|| "the joint".to_owned(), |name| format!("joint {name}")),
+        path.display(),
+        if *voltage {
+            "; this bag holds the rig's voltage, which gives the torque with the constants of its motor"
+        } else if *lacks == "effort" {
+            ": the bag shows the motion, but not what drives it; many drivers leave the effort empty until they \
+             are told to report it. Record it, or write a table with the motor's current or voltage beside the motion"
+        } else {
+            ": the bag does not show the motion; record the joint's position or velocity too"
+        }
     )]
     NoEffort {
         /// The bag.
         path: PathBuf,
         /// The topic.
         topic: String,
-        /// The message, counted from 1.
-        index: usize,
+        /// The joint, where it has a name.
+        joint: Option<String>,
+        /// What it lacks.
+        lacks: &'static str,
+        /// Messages without it.
+        without: usize,
+        /// All messages.
+        all: usize,
+        /// The bag holds the voltage of a rig.
+        voltage: bool,
     },
     /// A bag holds more joints than one, and none was named.
     #[error("{} holds several joints: {present}; name one of them", path.display())]

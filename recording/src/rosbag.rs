@@ -127,11 +127,20 @@ fn of_joint(path: &Path, bag: &BagReader, choice: &JointChoice) -> Result<Track,
     let (placed, moved) = (joints::has(&samples, position), joints::has(&samples, velocity));
     let drives = joints::has(&samples, force);
     if !(drives && (placed || moved)) && !samples.is_empty() {
-        let first = samples.iter().position(|sample| {
-            force(sample).is_none() || position(sample).or(velocity(sample)).is_none()
+        let lacks = if drives { "position and no velocity" } else { "effort" };
+        let missing = |sample: &&joints::JointSample| match drives {
+            true => position(sample).or(velocity(sample)).is_none(),
+            false => force(sample).is_none(),
+        };
+        return Err(RecordingError::NoEffort {
+            path: path.into(),
+            without: samples.iter().filter(missing).count(),
+            all: samples.len(),
+            voltage: bag.topics().iter().any(|other| other.name == RIG_MEASUREMENT),
+            topic,
+            joint: name,
+            lacks,
         });
-        let (path, index) = (path.into(), first.map_or(1, |first| first + 1));
-        return Err(RecordingError::NoEffort { path, topic, index });
     }
     // A message without a number that most have, as drivers send at their start, is left out.
     let all = samples.len();
@@ -300,7 +309,13 @@ mod tests {
         let none = folder.path().join("none");
         bag(&none, JOINT_STATES, |_| state(&["j"], f64::NAN));
         let said = read(&none, None, &DRIVING, 0.05).unwrap_err();
-        assert!(matches!(said, RecordingError::NoEffort { index: 1, .. }), "{said}");
+        assert!(
+            matches!(said, RecordingError::NoEffort { without: 40, all: 40, voltage: false, .. }),
+            "{said}"
+        );
+        let said = said.to_string();
+        assert!(said.contains("joint j of /joint_states") && said.contains("no effort"), "{said}");
+        assert!(said.contains("what drives it") && !said.contains("voltage, which"), "{said}");
     }
 
     #[test]

@@ -7,21 +7,11 @@ use std::path::{Path, PathBuf};
 use super::column::Channel;
 use super::grid::{self, Form};
 use super::layout::Layout;
-use super::sheet::{Cells, Flow, Found, Loaded, Missing, Sheet, load};
-use super::{AxisKind, RecordingError};
+use super::sheet::{Cells, Decoding, Flow, Found, Loaded, Missing, Sheet, load};
+use super::{AxisKind, RecordingError, units};
 
-/// Names of the velocity column. Each says whether the axis turns, which decides the units of the
-/// results.
-const VELOCITIES: [&str; 6] = [
-    "velocity_rad_s",
-    "velocity_m_s",
-    "velocity_deg_s",
-    "velocity_mm_s",
-    "speed_rad_s",
-    "speed_m_s",
-];
-/// Names of the column with the transmitted load.
-const LOADS: [&str; 3] = ["load_Nm", "load_N_m", "load_N"];
+/// Name of the column with the transmitted load, in front of its unit.
+const LOAD: &str = "load";
 /// As spreadsheets write it; no part of the first name.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
@@ -43,10 +33,12 @@ pub struct Point {
 /// an iterator it gives its moments, times increasing, and ends with the first error.
 pub struct Trajectory {
     path: PathBuf,
-    /// Kind of axis, as the name of the velocity column tells it.
+    /// Kind of axis, as the name of the velocity column tells it; one that turns where it does not.
     pub axis: AxisKind,
     /// Whether there are loads.
     pub loaded: bool,
+    /// What of its columns is taken for granted, in sentences.
+    pub notes: Vec<String>,
     rows: Rows,
     before: Option<f64>,
     ended: bool,
@@ -63,8 +55,8 @@ enum Rows {
 /// Bytes at the beginning of a file from which its columns are told.
 const HEAD: u64 = 1 << 16;
 
-/// Opens a CSV file with the columns `t_s`, `velocity_rad_s` or `velocity_m_s`, and if there is one
-/// `load_Nm` or `load_N`; other columns are left alone. The rows may be unevenly spaced.
+/// Opens a table with a time, a velocity and if there is one a load, as in `load_Nm`; other columns
+/// are left alone. Columns are recognised as for an identification. The rows may be unevenly spaced.
 ///
 /// # Errors
 /// [`RecordingError`], naming the file and, where there is one, the line and the column.
@@ -77,40 +69,53 @@ pub fn open(path: &Path) -> Result<Trajectory, RecordingError> {
 ///
 /// # Errors
 /// As of [`open`], naming `path`.
-pub fn from_text(
-    path: &Path,
-    mut text: impl BufRead + 'static,
-) -> Result<Trajectory, RecordingError> {
-    let mut head = Vec::new();
-    let begun = text.by_ref().take(HEAD).read_to_end(&mut head);
-    begun.map_err(|source| RecordingError::Read { path: path.into(), source })?;
+pub fn from_text(path: &Path, text: impl BufRead + 'static) -> Result<Trajectory, RecordingError> {
+    let read = |source| RecordingError::Read { path: path.into(), source };
+    let (head, text) = begun(Box::new(text)).map_err(read)?;
+    grid::refuse_foreign(path, &head)?;
     if grid::form_of(&head) != Form::Text {
         return read_whole(path);
     }
-    // Whole lines only, if there are any: half a number is another one.
-    let whole = head.iter().rposition(|&byte| byte == b'\n').filter(|_| head.len() as u64 == HEAD);
-    let lines = whole.and_then(|last| head.get(..=last)).unwrap_or(&head);
-    let lines = Loaded::from(lines);
+    let text: Box<dyn BufRead> = match Decoding::of(whole_lines(&head), text) {
+        Ok(decoding) => Box::new(BufReader::new(decoding)),
+        Err(text) => text,
+    };
+    let (head, text) = begun(text).map_err(read)?;
+    let lines = Loaded::from(whole_lines(&head));
     let sheet = Sheet::open(path, &lines, &Layout::default(), EXAMPLE)?;
-    let (found, axis) = Columns { path, sheet: &sheet }.all()?;
-    let (dialect, fields, loaded) = (sheet.dialect, sheet.names.len(), found.len() > 2);
-    let head = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&head).to_vec();
-    let text = Box::new(Cursor::new(head).chain(text));
-    let flow = Flow::new(path.into(), text, dialect, fields, found);
+    let Chosen { columns, axis, notes } = Columns { path, sheet: &sheet }.all()?;
+    let (dialect, fields, loaded) = (sheet.dialect, sheet.names.len(), columns.len() > 2);
+    let flow = Flow::new(path.into(), text, dialect, fields, columns);
     let rows = Rows::Flowing(Box::new(flow));
-    Ok(Trajectory { path: path.into(), axis, loaded, rows, before: None, ended: false })
+    Ok(Trajectory { path: path.into(), axis, loaded, notes, rows, before: None, ended: false })
+}
+
+/// How a text begins, without a byte order mark, and all of it.
+fn begun(mut text: Box<dyn BufRead>) -> std::io::Result<(Vec<u8>, Box<dyn BufRead>)> {
+    let mut head = Vec::new();
+    (&mut text).take(HEAD).read_to_end(&mut head)?;
+    let plain = head.strip_prefix(BYTE_ORDER_MARK).map(<[u8]>::to_vec);
+    let head = plain.unwrap_or(head);
+    Ok((head.clone(), Box::new(Cursor::new(head).chain(text))))
+}
+
+/// Whole lines only, if there are any and more follows: half a number is another one.
+fn whole_lines(head: &[u8]) -> &[u8] {
+    let cut = head.len() as u64 + BYTE_ORDER_MARK.len() as u64 >= HEAD;
+    let whole = head.iter().rposition(|&byte| byte == b'\n').filter(|_| cut);
+    whole.and_then(|last| head.get(..=last)).unwrap_or(head)
 }
 
 fn read_whole(path: &Path) -> Result<Trajectory, RecordingError> {
     let layout = Layout::default();
-    let columns = load(path, &layout)?;
-    let mut sheet = Sheet::open(path, &columns, &layout, EXAMPLE)?;
-    let (found, axis) = Columns { path, sheet: &sheet }.all()?;
-    let loaded = found.len() > 2;
+    let table = load(path, &layout)?;
+    let mut sheet = Sheet::open(path, &table, &layout, EXAMPLE)?;
+    let Chosen { columns, axis, notes } = Columns { path, sheet: &sheet }.all()?;
+    let loaded = columns.len() > 2;
     let Cells { values, .. } =
-        sheet.columns(&found.iter().collect::<Vec<_>>(), Missing::Refused)?;
+        sheet.columns(&columns.iter().collect::<Vec<_>>(), Missing::Refused)?;
     let rows = Rows::Read(values, 0);
-    Ok(Trajectory { path: path.into(), axis, loaded, rows, before: None, ended: false })
+    Ok(Trajectory { path: path.into(), axis, loaded, notes, rows, before: None, ended: false })
 }
 
 impl Rows {
@@ -173,47 +178,56 @@ struct Columns<'a> {
     sheet: &'a Sheet<'a>,
 }
 
-impl<'a> Columns<'a> {
-    /// Time, velocity and, if there is one, load; and the kind of the axis.
-    fn all(&self) -> Result<(Vec<Found>, AxisKind), RecordingError> {
-        let names = &self.sheet.names;
-        let time = self.require(Channel::Time, Channel::Time.recognise(names), "t_s")?;
-        let velocity = self.one_of("velocity", &VELOCITIES)?;
-        let expected = "velocity_rad_s or velocity_m_s";
-        let velocity = self.require(Channel::Velocity, velocity, expected)?;
-        let load = self.one_of("load", &LOADS)?;
+/// Which columns are read.
+struct Chosen {
+    /// Time, velocity and, if there is one, load.
+    columns: Vec<Found>,
+    axis: AxisKind,
+    notes: Vec<String>,
+}
+
+impl Columns<'_> {
+    fn all(&self) -> Result<Chosen, RecordingError> {
+        let time = self.require(Channel::Time, "t_s")?;
+        self.only_one(|name| {
+            Channel::Velocity.recognise(&[name.to_owned()]).is_some()
+                && units::parts(name).stem.eq_ignore_ascii_case("velocity")
+        })?;
+        let velocity = self.require(Channel::Velocity, "velocity_rad_s or velocity_m_s")?;
+        let is_load = |name: &str| {
+            units::parts(name).stem.eq_ignore_ascii_case(LOAD)
+                && matches!(Channel::Force.unit_in(name), Ok(Some(_)))
+        };
+        let load = self.only_one(is_load)?;
         let load = load.map(|name| self.sheet.find(Channel::Force, name, None)).transpose()?;
         let axis = velocity.axis.unwrap_or(AxisKind::Rotary);
-        Ok(([time, velocity].into_iter().chain(load).collect(), axis))
+        let mut notes = Vec::new();
+        if velocity.assumed {
+            let unit = if axis == AxisKind::Rotary { "rad/s" } else { "m/s" };
+            let name = &velocity.source.name;
+            notes.push(format!("the column `{name}` does not say its unit: it is taken as {unit}"));
+        }
+        Ok(Chosen { columns: [time, velocity].into_iter().chain(load).collect(), axis, notes })
     }
 
-    /// The only column whose name is one of `known`; none if there is none.
-    fn one_of(
-        &self,
-        channel: &'static str,
-        known: &[&str],
-    ) -> Result<Option<&'a str>, RecordingError> {
-        let is_known = |name: &&String| known.iter().any(|known| known.eq_ignore_ascii_case(name));
-        let found: Vec<&str> =
-            self.sheet.names.iter().filter(is_known).map(String::as_str).collect();
+    /// The only column that is one; none if there is none.
+    fn only_one(&self, is_one: impl Fn(&str) -> bool) -> Result<Option<&str>, RecordingError> {
+        let names = self.sheet.names.iter().map(String::as_str);
+        let found: Vec<&str> = names.filter(|name| is_one(name)).collect();
         match found[..] {
             [] => Ok(None),
             [name] => Ok(Some(name)),
             _ => {
+                let channel = if is_one("velocity_rad_s") { "velocity" } else { LOAD };
                 let present = found.join(", ");
                 Err(RecordingError::Several { path: self.path.into(), channel, present })
             }
         }
     }
 
-    fn require(
-        &self,
-        channel: Channel,
-        name: Option<&str>,
-        expected: &'static str,
-    ) -> Result<Found, RecordingError> {
-        match name {
-            Some(name) => self.sheet.find(channel, name, None),
+    fn require(&self, channel: Channel, expected: &'static str) -> Result<Found, RecordingError> {
+        match self.sheet.optional(channel, None)? {
+            Some(found) => Ok(found),
             None if self.sheet.dialect.headerless => Err(self.sheet.no_header()),
             None => Err(RecordingError::MissingColumn {
                 path: self.path.into(),
@@ -249,6 +263,42 @@ mod tests {
         assert_eq!((found.axis, found.loaded, points.len()), (AxisKind::Rotary, false, 1));
     }
 
+    /// Only the exact names of this program's own files were known.
+    #[test]
+    fn the_names_and_forms_of_an_identification_are_read() {
+        for (text, assumed) in [
+            ("time,dq [rad/s],tau\n0,1,5\n0.5,2,5\n", false),
+            ("t [ms];vel\n0;1,0\n500;2,0\n", true),
+            ("Rig 5\nof ours\nt,speed (rad/s)\n0,1\n0.5,2\n", false),
+            ("sec,nanosec,q,omega_rad_s\n7,0,0,1\n7,500000000,0,2\n", false),
+            ("time,velocity\n13.02.2026 10:11:12,1\n13.02.2026 10:11:12.5,2\n", true),
+        ] {
+            let (found, points) = parsed(text).unwrap_or_else(|error| panic!("{text:?}: {error}"));
+            let expected = [[0.0, 1.0], [0.5, 2.0]];
+            let read = points.iter().map(|point| [point.time, point.velocity]);
+            assert_eq!(read.collect::<Vec<_>>(), expected, "{text:?}");
+            assert_eq!(found.notes.len(), usize::from(assumed), "{text:?}");
+        }
+    }
+
+    /// Also far behind what is looked at first.
+    #[test]
+    fn texts_of_spreadsheets_are_read_as_they_come() {
+        let rows: String = (0..40_000).map(|k| format!("{k},°,{k}\n")).collect();
+        let text = format!("t_s,angle °,velocity_rad_s\n{rows}");
+        let utf16 = |order: fn(u16) -> [u8; 2]| -> Vec<u8> {
+            [0xfeff].into_iter().chain(text.encode_utf16()).flat_map(order).collect()
+        };
+        let latin: Vec<u8> = text.chars().map(|c| c as u8).collect();
+        for bytes in
+            [text.clone().into_bytes(), utf16(u16::to_le_bytes), utf16(u16::to_be_bytes), latin]
+        {
+            let points = from_text(Path::new("x.csv"), Cursor::new(bytes)).unwrap();
+            let points: Vec<Point> = points.collect::<Result<_, _>>().unwrap();
+            assert_eq!((points.len(), points[39_999].velocity), (40_000, 39_999.0));
+        }
+    }
+
     /// Remarks, blanks and decimal commas, also far behind what is looked at first.
     #[test]
     fn a_long_file_is_read_as_a_short_one() {
@@ -281,7 +331,7 @@ mod tests {
             ("t_s,velocity_rad_s\n", &["no samples"]),
             ("0,1\n1,2\n", &["line 1", "header", "t_s,velocity_rad_s"]),
             ("velocity_rad_s\n1\n", &["time", "t_s", "columns are: velocity_rad_s"]),
-            ("t_s,velocity\n0,1\n", &["velocity_rad_s or velocity_m_s", "t_s, velocity"]),
+            ("t_s,v\n0,1\n", &["velocity_rad_s or velocity_m_s", "t_s, v"]),
             ("t_s,velocity_m_s,velocity_rad_s\n0,1,1\n", &["velocity_m_s, velocity_rad_s"]),
             ("t_s,velocity_m_s,velocity_m_s\n0,1,1\n", &["velocity_m_s, velocity_m_s"]),
             ("t_s,t_s,velocity_m_s\n0,1,1\n", &["2 columns named `t_s`"]),

@@ -71,7 +71,7 @@ impl<'a> Regressors<'a> {
                 what: "the regression, after trimming and decimation,",
                 needed,
                 found: rows,
-                lower: "the trim or the decimation",
+                lower: Some("the trim or the decimation"),
             });
         }
         let position = recording.position.as_deref().filter(|_| structure.position);

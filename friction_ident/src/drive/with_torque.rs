@@ -47,7 +47,7 @@ pub(super) fn with_torque(
             what: "the regression, after trimming and decimation,",
             needed: 40,
             found: rows,
-            lower: "the trim or the decimation",
+            lower: Some("the trim or the decimation"),
         });
     }
     let read = |column: &[f64], delay: f64| -> Vec<f64> {

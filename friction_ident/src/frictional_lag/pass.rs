@@ -298,7 +298,7 @@ fn too_few(found: usize) -> IdentError {
         what: "the frictional lag",
         needed: FEWEST,
         found,
-        lower: "the samples to settle",
+        lower: Some("the samples to settle"),
     }
 }
 

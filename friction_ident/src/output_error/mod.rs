@@ -168,7 +168,7 @@ pub fn fit_output_error(
             what: "an output-error fit",
             needed: n + 1,
             found: problem.len(),
-            lower: "the number of free parameters",
+            lower: Some("the number of free parameters"),
         });
     }
     let bounds = problem.bounds();

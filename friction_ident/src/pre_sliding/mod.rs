@@ -173,7 +173,7 @@ impl Paths {
         let found = all.torque.len();
         if found < 20 {
             let what = "a pre-sliding operator";
-            return Err(IdentError::TooFewSamples { what, needed: 20, found, lower: "nothing" });
+            return Err(IdentError::TooFewSamples { what, needed: 20, found, lower: None });
         }
         if all.torque.iter().all(|&torque| torque == 0.0) {
             return Err(IdentError::ZeroForce);

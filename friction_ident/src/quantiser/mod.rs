@@ -113,7 +113,7 @@ pub fn between_counts(
         what: "the path between the counts of an encoder (edges passed)",
         needed: 2,
         found: crossings.len(),
-        lower: "the resolution",
+        lower: Some("the resolution"),
     })?;
     let start = path.first().copied().unwrap_or(0.0);
     Ok(path.iter().map(|x| resolution * (x - start)).collect())

@@ -132,7 +132,7 @@ pub fn train_rbf_network(
         what: "a network of radial basis functions",
         points: count + 1,
         speeds: count + 1,
-        lower: "the number of centres",
+        lower: Some("the number of centres"),
     };
     let speeds = check_points(points, &needed)?;
     let moving: Vec<_> = points.iter().copied().filter(|point| point.velocity != 0.0).collect();

@@ -279,7 +279,7 @@ pub fn fit_axis_freely(recording: &Conditioned, model: AxisModel) -> Result<Axis
             what: "the regression, after trimming and decimation,",
             needed,
             found: samples,
-            lower: "the trim or the decimation",
+            lower: Some("the trim or the decimation"),
         });
     }
     let solution = least_squares::solve(&regression.matrix, &regression.force).map_err(

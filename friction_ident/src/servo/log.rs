@@ -5,6 +5,10 @@ use crate::IdentError;
 /// Period of the grid and of the simulation \[s\].
 pub const TIME_STEP: f64 = 0.005;
 
+/// A first time stamp up to here counts as it is: the recorder began to count when the motion began.
+/// Later ones, and those below zero, are those of a clock that counts from elsewhere \[s\].
+const LATEST_START: f64 = 0.1;
+
 /// A log as it was recorded: a pendulum on a position-controlled servo. The channels have one
 /// length.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,7 +38,8 @@ pub struct RawServoLog {
     pub enabled: Vec<bool>,
 }
 
-/// A log on the grid t = 0, [`TIME_STEP`], ... below the last time stamp.
+/// A log on the grid t = 0, [`TIME_STEP`], ... below the last time stamp. Time stamps that count from
+/// elsewhere, as those of a clock do, are counted from the first one.
 ///
 /// Every channel is interpolated linearly; before the first sample the first two are extrapolated.
 /// The motor counts as driven where the interpolated flag exceeds one half.
@@ -83,7 +88,7 @@ impl ServoLog {
                 what: "a servo log",
                 needed: 3,
                 found: n,
-                lower: "nothing",
+                lower: None,
             });
         }
         let channels: [(&'static str, &[f64]); 4] = [
@@ -117,23 +122,25 @@ impl ServoLog {
         if let Some(index) = raw.time.windows(2).position(|pair| pair[1] <= pair[0]) {
             return Err(IdentError::TimeOrder { index: index + 1, time: raw.time[index + 1] });
         }
-        let duration = raw.time[n - 1];
+        let since = if (0.0..=LATEST_START).contains(&raw.time[0]) { 0.0 } else { raw.time[0] };
+        let time: Vec<f64> = raw.time.iter().map(|time| time - since).collect();
+        let duration = time[n - 1];
         if !(duration > 3.0 * TIME_STEP && duration < 1e5) {
             return Err(IdentError::ServoHeader { what: "duration", value: duration });
         }
-        Ok(Self::resampled(raw, duration))
+        Ok(Self::resampled(raw, &time, duration))
     }
 
-    fn resampled(raw: &RawServoLog, duration: f64) -> Self {
+    fn resampled(raw: &RawServoLog, time: &[f64], duration: f64) -> Self {
         let mut frame = 0;
         let samples = (0..)
             .map(|step| f64::from(step) * TIME_STEP)
             .take_while(|&t| t < duration)
             .map(|t| {
-                while frame + 2 < raw.time.len() && t > raw.time[frame + 1] {
+                while frame + 2 < time.len() && t > time[frame + 1] {
                     frame += 1;
                 }
-                (frame, (t - raw.time[frame]) / (raw.time[frame + 1] - raw.time[frame]))
+                (frame, (t - time[frame]) / (time[frame + 1] - time[frame]))
             })
             .collect::<Vec<_>>();
         let on_grid = |values: &[f64]| -> Vec<f64> {
@@ -186,5 +193,39 @@ impl ServoLog {
     /// Position asked for, on the grid \[rad\].
     pub fn goal(&self) -> &[f64] {
         &self.goal
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn raw(from: f64) -> RawServoLog {
+        let since: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
+        RawServoLog {
+            mass: 0.5,
+            length: 0.1,
+            gain: 100.0,
+            supply: 7.4,
+            arm_mass: 0.0,
+            damping: 0.0,
+            position: since.iter().map(|t| (4.0 * t).sin()).collect(),
+            speed: since.iter().map(|t| 4.0 * (4.0 * t).cos()).collect(),
+            goal: since.iter().map(|t| (4.2 * t).sin()).collect(),
+            enabled: vec![true; 200],
+            time: since.iter().map(|t| from + t).collect(),
+        }
+    }
+
+    /// Before, the first two samples were carried on back to zero, as a motion that never was.
+    #[test]
+    fn a_clock_that_began_elsewhere_changes_nothing() {
+        let plain = ServoLog::new(&raw(0.0)).unwrap();
+        for from in [60.0, -3.0, 1.7e9] {
+            let shifted = ServoLog::new(&raw(from)).unwrap();
+            assert!(shifted.samples().abs_diff(plain.samples()) <= 1, "{from}");
+            let off = plain.position().iter().zip(shifted.position());
+            assert!(off.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-5, "{from}");
+        }
     }
 }

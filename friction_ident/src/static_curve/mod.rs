@@ -264,8 +264,5 @@ fn check(points: &[SteadyPoint], options: &StribeckOptions) -> Result<(f64, f64)
     if !(0.1..=10.0).contains(&options.delta) {
         return Err(IdentError::Exponent(options.delta));
     }
-    check_points(
-        points,
-        &Needed { what: "a Stribeck curve", points: 8, speeds: 5, lower: "nothing" },
-    )
+    check_points(points, &Needed { what: "a Stribeck curve", points: 8, speeds: 5, lower: None })
 }

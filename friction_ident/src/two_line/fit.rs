@@ -22,12 +22,8 @@ const CLEAR_BEND: f64 = 3.0;
 /// [`IdentError::ZeroForce`]; [`IdentError::NotAModel`] for torques that drive instead of braking,
 /// and [`IdentError::NoBend`] where one line does as well.
 pub fn fit_two_line(points: &[SteadyPoint]) -> Result<TwoLineFit, IdentError> {
-    let needed = Needed {
-        what: "a two-line curve",
-        points: 8,
-        speeds: 2 * SPEEDS_A_REGION,
-        lower: "nothing",
-    };
+    let needed =
+        Needed { what: "a two-line curve", points: 8, speeds: 2 * SPEEDS_A_REGION, lower: None };
     let extremes = check_points(points, &needed)?;
     let moving: Vec<_> = points.iter().copied().filter(|point| point.velocity != 0.0).collect();
     let data = Data::new(&moving);

@@ -69,6 +69,9 @@ fn of_recording(error: &RecordingError) -> String {
             ": --time NAME names a finer one, and --period SECONDS gives the time from row to row of a table"
                 .to_owned()
         }
+        RecordingError::Form { form: "a JSON file", .. } => {
+            " (`frictionlab identify-servo` reads it then)".to_owned()
+        }
         RecordingError::Joined { .. } => " (--beside TABLE)".to_owned(),
         RecordingError::Unit { source, .. } => {
             format!(" ({} NAME:SCALE)", option(source.channel))
@@ -82,7 +85,7 @@ fn of_recording(error: &RecordingError) -> String {
             " (--effort driving or --effort friction)".to_owned()
         }
         RecordingError::TimeUnit { column, scale, .. } => format!(" (--time {column}:{scale:e})"),
-        RecordingError::NoEffort { .. } => " (--torque-from-voltage)".to_owned(),
+        RecordingError::NoEffort { voltage: true, .. } => " (--torque-from-voltage)".to_owned(),
         RecordingError::Bag(error) => of_bag(error),
         _ => String::new(),
     }

@@ -9,7 +9,7 @@ use super::hold_out::HoldOut;
 use crate::interruption;
 use identification::servo::description::ServoDescription;
 use identification::servo::given::GivenParameters;
-use identification::servo::logs::{NamedServoLog, prepare};
+use identification::servo::logs::{NamedServoLog, check_motion, prepare};
 use identification::servo::{Settings, document, evaluate, identify, page, terminal};
 use recording::servo_log::{self, ServoFile};
 use work::BadInput;
@@ -145,6 +145,8 @@ pub fn execute(args: &IdentifyServoArgs) -> anyhow::Result<()> {
         let named = prepare(file, &servo, &mut notes)?;
         if held { held_out.push(named) } else { train.push(named) }
     }
+    check_motion(&train, &servo, &mut notes)?;
+    check_motion(&held_out, &servo, &mut notes)?;
     if let Some(path) = &args.evaluate {
         return score(args, path, &servo, &train, &notes);
     }

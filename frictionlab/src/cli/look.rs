@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use identification::look::{document, page, terminal};
+use identification::look::{document, page, servo, terminal};
 use recording::column_options::ColumnArgs;
 use recording::joints::JointChoice;
 use recording::table::Measured;
-use recording::{is_bag, overview};
+use recording::{is_bag, overview, servo_log};
 use work::BadInput;
 use work::destination::ToFolder;
 use work::saying::Saying;
@@ -14,7 +14,8 @@ use work::saying::Saying;
 /// Show what a recording holds before any fit
 ///
 /// Shows what was understood of a table or a bag: columns, units, rate, gaps, rest, ranges, and
-/// what can be identified from it. The page has a picture of every channel.
+/// what can be identified from it. The page has a picture of every channel. Of the log of a servo
+/// (.json) it shows the motor, the entries, their rate and range.
 ///
 ///   frictionlab look run.csv
 ///   frictionlab look bag/ --joint elbow
@@ -22,7 +23,8 @@ use work::saying::Saying;
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct LookArgs {
-    /// Table (CSV, .mat, .npz, .npy, .parquet), folder of tables, .mcap or .db3 file, or bag folder.
+    /// Table (CSV, .mat, .npz, .npy, .parquet), folder of tables, .mcap or .db3 file, bag folder, or
+    /// servo log (.json).
     #[arg(value_name = "FILE")]
     file: PathBuf,
 
@@ -51,6 +53,9 @@ pub struct LookArgs {
 pub fn execute(args: &LookArgs) -> anyhow::Result<()> {
     args.saying.begin();
     let file = &args.file;
+    if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")) {
+        return of_servo(args);
+    }
     if let (true, Some(option)) = (is_bag(file), args.columns.given().first()) {
         let file = file.display();
         return Err(
@@ -68,5 +73,26 @@ pub fn execute(args: &LookArgs) -> anyhow::Result<()> {
     folder.write(&files)?;
     let names = files.each_ref().map(|(name, _)| *name).join(", ");
     let text = format!("{}\nwritten to {}: {names}\n", terminal(&seen), folder.path().display());
+    args.saying.result(args.quiet, &files[0].1, &text)
+}
+
+/// The same for the log of a servo.
+fn of_servo(args: &LookArgs) -> anyhow::Result<()> {
+    let name = args.file.display();
+    let joint = args.joint.as_ref().map(|_| "--joint");
+    if let Some(option) = args.columns.given().first().copied().or(joint) {
+        let why = format!("{name} is the log of a servo and has no columns: leave out {option}");
+        return Err(BadInput(why).into());
+    }
+    let file = servo_log::read(&args.file)?;
+    let seen = servo(&file);
+    let files = [
+        ("look.json", work::saying::document(&seen)?),
+        ("report.html", report::render_page(&report::linked(seen.page(&file), ["look.json"]))),
+    ];
+    let folder = args.to.reserve("look")?;
+    folder.write(&files)?;
+    let names = files.each_ref().map(|(name, _)| *name).join(", ");
+    let text = format!("{}\nwritten to {}: {names}\n", seen.terminal(), folder.path().display());
     args.saying.result(args.quiet, &files[0].1, &text)
 }

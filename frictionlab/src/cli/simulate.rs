@@ -25,9 +25,9 @@ const TOLD_AT_ONCE: u64 = 64;
 
 /// Evaluate a friction model along a motion
 ///
-/// The motion is a CSV file with the columns t_s and velocity_rad_s (or velocity_m_s), at any
-/// spacing; between the rows the velocity is a straight line. The contact starts at rest and
-/// unloaded at the first row.
+/// The motion is a table with a time and a velocity, as t_s and velocity_rad_s (or velocity_m_s), at
+/// any spacing; columns and encodings are recognised as `frictionlab identify` does. Between the
+/// rows the velocity is a straight line. The contact starts at rest and unloaded at the first row.
 ///
 /// The result has one line for each row of the motion:
 ///
@@ -116,6 +116,7 @@ pub fn execute(args: &SimulateArgs) -> anyhow::Result<()> {
     let progress = Progress::counting(length >> 10, "KiB of the motion", args.quiet);
     progress.stage(model.name().title());
     let (axis, loaded) = (motion.axis, motion.loaded);
+    let notes = std::mem::take(&mut motion.notes);
     let (mut done_of_it, mut span) = (0, None);
     let points = iter::from_fn(|| {
         if cancel.load(Ordering::Relaxed) {
@@ -155,7 +156,10 @@ pub fn execute(args: &SimulateArgs) -> anyhow::Result<()> {
     }
     let (title, rows, path) = (model.name().title(), done.rows, out.name());
     let duration = span.map_or(0.0, |(first, last)| last - first);
-    let what = said(args, tolerance, &done);
+    let mut what = said(args, tolerance, &done);
+    for note in notes {
+        what += &format!("{note}\n");
+    }
     print(&format!(
         "{title} along {duration:.6} s of motion: {rows} rows written to {path}\n{what}"
     ))

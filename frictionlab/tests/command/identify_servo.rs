@@ -110,6 +110,16 @@ fn logs_that_cannot_be_used_are_refused_in_a_sentence_and_nothing_is_written() {
     massless["mass"] = json!(0.0);
     write("massless.json", massless.to_string());
 
+    let mut still = log(200.0);
+    for entry in still["entries"].as_array_mut().unwrap() {
+        entry["position"] = json!(0.1);
+        entry["speed"] = json!(0.0);
+    }
+    write("still.json", still.to_string());
+    let mut worded = log(200.0);
+    worded["entries"][16]["position"] = json!("abc");
+    write("worded.json", worded.to_string());
+
     let mut nameless = log(200.0);
     nameless.as_object_mut().unwrap().remove("motor");
     write("nameless.json", nameless.to_string());
@@ -121,11 +131,14 @@ fn logs_that_cannot_be_used_are_refused_in_a_sentence_and_nothing_is_written() {
         (&["cut.json"][..], &["cut.json", "line 1"][..]),
         (&["nan.json"], &["nan.json", "line 1"]),
         (&["no_goal.json"], &["no_goal.json", "missing field `goal_position`"]),
-        (&["empty.json"], &["empty.json", "at least 3 samples", "0"]),
+        (&["empty.json"], &["empty.json", "`entries` is empty", "record it again"]),
+        (&["still.json"], &["still.json", "turns by 0 mrad", "the goal moves by"]),
+        (&["worded.json"], &["worded.json", "entry 17", "`position`", "\"abc\""]),
         (&["massless.json"], &["massless.json", "mass"]),
         (&["nowhere.json"], &["nowhere.json"]),
         (&["kp100.json", "empty.json"], &["empty.json"]),
-        (&["kp400.json", "--hold-out", "kp=400"], &["log"]),
+        (&["kp400.json", "--hold-out", "kp=400"], &["every log is held out"]),
+        (&["kp100.json", "--hold-out", "trajectory"], &["'trajectory=sine'", "the logs have sine"]),
         (&["kp100.json", "--hold-out", "kp=400"], &["kp=400", "the logs have 100"]),
         (
             &["kp100.json", "--hold-out", "colour=red"],
@@ -194,6 +207,28 @@ fn given_parameters_are_scored_log_by_log_without_a_fit() {
     // The logs are equally long: the whole is their mean.
     let mean = errors.iter().sum::<f64>() / 2.0;
     assert!((scored["error_mrad"].as_f64().unwrap() / mean - 1.0).abs() < 1e-6, "{scored}");
+}
+
+#[test]
+fn a_first_look_at_a_log_says_what_it_holds_and_which_command_reads_it() {
+    let folder = folder();
+    let run = |args: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_frictionlab"));
+        command.current_dir(folder.path()).args(args).output().unwrap()
+    };
+    let output = run(&["look", "kp100.json", "--out", "seen"]);
+    let shown = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    for part in ["XL330", "300, 1.555 s at 192 Hz", "frictionlab identify-servo kp100.json"] {
+        assert!(shown.contains(part), "{part}: {shown}");
+    }
+    let text = std::fs::read_to_string(folder.path().join("seen/look.json")).unwrap();
+    let seen: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!((&seen["form"], &seen["entries"]), (&json!("servo_log"), &json!(300)));
+    // The command for tables names the one for logs.
+    let output = run(&["identify", "kp100.json"]);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(2) && said.contains("identify-servo"), "{said}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 
 mod page;
 mod prospects;
+mod servo;
 mod terminal;
 
 use recording::overview::Overview;
@@ -10,6 +11,7 @@ use serde::Serialize;
 
 pub use page::page;
 pub use prospects::{Prospects, prospects};
+pub use servo::{ServoLook, servo};
 pub use terminal::terminal;
 
 /// The document of `--json` and `look.json`.

@@ -69,6 +69,9 @@ pub(super) fn written(seen: &Overview) -> Vec<String> {
         if dialect.remarks > 0 {
             let _ = write!(line, "; {} remarks", dialect.remarks);
         }
+        if dialect.above > 0 {
+            let _ = write!(line, "; {} lines above the names left out", dialect.above);
+        }
         if dialect.names_in_remark {
             line += "; names taken from the last remark";
         }

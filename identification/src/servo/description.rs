@@ -105,8 +105,9 @@ impl ServoDescription {
     /// [`BadInput`] says what is wrong with it, and shows one that is right.
     pub fn read(file: &str, text: &str) -> Result<Self, BadInput> {
         let description: Self = serde_saphyr::from_str(text).map_err(|error| {
+            let hint = hint(&error.to_string());
             BadInput(format!(
-                "{file} is no servo description: {error}\nA description looks like this:\n\n{EXAMPLE}"
+                "{file} is no servo description: {error}{hint}\nA description looks like this:\n\n{EXAMPLE}"
             ))
         })?;
         description.check(file)?;
@@ -275,6 +276,23 @@ impl ServoDescription {
     }
 }
 
+/// What helps against a form that was not expected.
+fn hint(error: &str) -> &'static str {
+    let hints = [
+        (
+            "invalid floating point",
+            "\nA number stands without its unit; the example says which it is in.",
+        ),
+        (
+            "expected mapping start\n --> <input>:1:1",
+            "\nA file describes one servo: no list begins it.",
+        ),
+        ("expected mapping start", "\nA value with fields is written as in gain: {per_unit: 0.1}."),
+        ("expected sequence start", "\nA list is written in brackets, as in names: [my-servo]."),
+    ];
+    hints.iter().find(|(said, _)| error.contains(said)).map_or("", |(_, hint)| *hint)
+}
+
 /// Letters and digits only, small.
 fn plain(name: &str) -> String {
     name.chars().filter(|c| c.is_alphanumeric() || *c == '.').flat_map(char::to_lowercase).collect()
@@ -321,6 +339,9 @@ mod tests {
     fn a_log_may_spell_the_name_as_it_likes_and_an_unknown_one_is_told_what_to_write() {
         assert_eq!(ServoDescription::of_motor("XL330-M288-T").unwrap().name(), "xl330");
         assert_eq!(ServoDescription::of_motor("mx_106").unwrap().name(), "mx106");
+        for motor in ["XH430-V210-R", "2XL430-W250-T", "XD430-T350-R", "XW430-T333-R"] {
+            assert!(ServoDescription::of_motor(motor).unwrap().is_called(motor), "{motor}");
+        }
         let message = ServoDescription::of_motor("sts3216").unwrap_err().to_string();
         assert!(message.contains("did you mean `sts3215`"), "{message}");
         assert!(message.contains("--servo FILE.yaml") && message.contains("per_unit"), "{message}");
@@ -340,6 +361,10 @@ mod tests {
             ("[0.001, 0.1]", "[0.1, 0.001]", "the smaller first"),
             ("nominal_voltage: 12.0", "nominal_voltage: -12.0", "nominal_voltage"),
             ("control: voltage", "control: torque", "torque"),
+            ("nominal_voltage: 12.0", "nominal_voltage: 12 V", "without its unit"),
+            ("gain: {per_unit: 0.1, estimated: true}", "gain: 0.1", "gain: {per_unit: 0.1}"),
+            ("names: [my-servo]", "names: my-servo", "names: [my-servo]."),
+            ("names: [my-servo]", "- names: [my-servo]", "own.yaml"),
         ] {
             let text = EXAMPLE.replace(from, to);
             let message = ServoDescription::read("own.yaml", &text).unwrap_err().to_string();

@@ -26,6 +26,7 @@
 
 mod error;
 mod guard;
+mod mcap_file;
 mod metadata;
 mod options;
 mod output;
@@ -48,7 +49,7 @@ mod writer;
 pub use error::BagError;
 
 /// How the files of a bag end.
-pub(crate) const ENDINGS: [&str; 3] = [".mcap", ".db3", ".db3.zstd"];
+pub(crate) const ENDINGS: [&str; 4] = [".mcap", ".mcap.zstd", ".db3", ".db3.zstd"];
 
 pub use options::{BagOptions, BagSummary, Compression};
 pub use reader::BagReader;

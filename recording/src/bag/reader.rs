@@ -18,6 +18,7 @@ use msgs::{RosMessage, cdr};
 use super::{
     BagError,
     guard::guarded,
+    mcap_file::{McapFile, ReadAt, files_of},
     salvage::{Found, LARGEST_RECORD, Losses, Salvage},
     schema::{Judgement, judge},
     sqlite::{self, Database},
@@ -35,7 +36,7 @@ pub struct BagReader {
 
 #[derive(Debug)]
 struct OpenFile {
-    path: PathBuf,
+    file: McapFile,
     summary: Summary,
 }
 
@@ -59,8 +60,9 @@ impl BagReader {
             topic.count += found.count;
         }
         let mcap = if databases.is_empty() { files_of(path)? } else { Vec::new() };
-        for file in mcap {
-            let (summary, counts) = guarded(&file, || inspect(&file))?;
+        for path in mcap {
+            let file = McapFile::open(&path)?;
+            let (summary, counts) = guarded(&path, || inspect(&file))?;
             for (id, channel) in &summary.channels {
                 let type_name =
                     channel.schema.as_ref().map(|schema| schema.name.clone()).unwrap_or_default();
@@ -71,7 +73,7 @@ impl BagReader {
                 });
                 topic.count += counts.get(id).copied().unwrap_or(0);
             }
-            files.push(OpenFile { path: file, summary });
+            files.push(OpenFile { file, summary });
         }
         Ok(Self { path: path.into(), files, databases, topics: topics.into_values().collect() })
     }
@@ -85,7 +87,7 @@ impl BagReader {
     pub fn bytes(&self) -> u64 {
         self.files
             .iter()
-            .map(|file| &file.path)
+            .map(|file| &file.file.path)
             .chain(self.databases.iter().map(|database| &database.path))
             .filter_map(|file| fs::metadata(file).ok())
             .map(|file| file.len())
@@ -150,7 +152,7 @@ impl BagReader {
         }
         let mut messages = Vec::new();
         for file in &self.files {
-            guarded(&file.path, || self.read_topic(&file.path, topic, &mut messages))?;
+            guarded(&file.file.path, || self.read_topic(&file.file, topic, &mut messages))?;
         }
         for database in &self.databases {
             database.read_topic(topic, &mut messages)?;
@@ -162,19 +164,19 @@ impl BagReader {
     /// Adds the messages of a topic in one file.
     fn read_topic<M: RosMessage>(
         &self,
-        file: &Path,
+        file: &McapFile,
         topic: &str,
         messages: &mut Vec<(u64, M)>,
     ) -> Result<(), BagError> {
         for message in message_reader(file, options())? {
-            let message = message.map_err(|error| damaged(file, error))?;
+            let message = message.map_err(|error| damaged(&file.path, error))?;
             if message.channel.topic != topic {
                 continue;
             }
             // Each message may be packed by itself; plain ones begin with a zero.
             let packed = message.data.starts_with(sqlite::ZSTD);
             let unpacked = packed
-                .then(|| sqlite::unpack(file, &message.data, LARGEST_RECORD as u64))
+                .then(|| sqlite::unpack(&file.path, &message.data, LARGEST_RECORD as u64))
                 .transpose()?;
             let bytes = unpacked.as_deref().unwrap_or(&message.data);
             let decoded = cdr::decode(bytes).map_err(|source| BagError::Message {
@@ -197,11 +199,11 @@ impl BagReader {
             if let Some(index) =
                 file.summary.metadata_indexes.iter().find(|index| index.name == name)
             {
-                let record = record(&file.path, index.offset, index.length)?;
+                let record = record(&file.file, index.offset, index.length)?;
                 if let mcap::records::Record::Metadata(metadata) = record {
                     return Ok(Some(metadata.metadata));
                 }
-                return Err(damaged(&file.path, McapError::BadIndex));
+                return Err(damaged(&file.file.path, McapError::BadIndex));
             }
         }
         Ok(None)
@@ -216,18 +218,18 @@ impl BagReader {
             if let Some(index) =
                 file.summary.attachment_indexes.iter().find(|index| index.name == name)
             {
-                let record = record(&file.path, index.offset, index.length)?;
+                let record = record(&file.file, index.offset, index.length)?;
                 if let mcap::records::Record::Attachment { data, .. } = record {
                     return Ok(Some(data.into_owned()));
                 }
-                return Err(damaged(&file.path, McapError::BadIndex));
+                return Err(damaged(&file.file.path, McapError::BadIndex));
             }
         }
         Ok(None)
     }
 }
 
-fn read_error(path: &Path) -> impl FnOnce(io::Error) -> BagError {
+pub(super) fn read_error(path: &Path) -> impl FnOnce(io::Error) -> BagError {
     let path = path.to_owned();
     move |source| BagError::Read { path, source }
 }
@@ -241,23 +243,6 @@ fn damaged(path: &Path, error: McapError) -> BagError {
         }
         other => BagError::Damaged { path: path.into(), detail: other.to_string() },
     }
-}
-
-/// The MCAP files of a bag, in order of their names, which rosbag2 numbers.
-pub(super) fn files_of(path: &Path) -> Result<Vec<PathBuf>, BagError> {
-    if !fs::metadata(path).map_err(read_error(path))?.is_dir() {
-        return Ok(vec![path.into()]);
-    }
-    let mut files = Vec::new();
-    for entry in fs::read_dir(path).map_err(read_error(path))? {
-        let file = entry.map_err(read_error(path))?.path();
-        if file.extension().is_some_and(|extension| extension == "mcap") {
-            files.push(file);
-        }
-    }
-    // `bag_10.mcap` comes behind `bag_9.mcap`.
-    files.sort_by_key(|file| (file.as_os_str().len(), file.clone()));
-    if files.is_empty() { Err(BagError::NoMcap { path: path.into() }) } else { Ok(files) }
 }
 
 /// The file, at the place behind its first bytes, which are those of an MCAP file, and its size.
@@ -280,12 +265,13 @@ pub(super) fn check_magic(path: &Path) -> Result<(File, u64), BagError> {
 /// and its index says how many messages there are.
 pub(super) fn is_whole(path: &Path) -> bool {
     let read = || -> Result<bool, BagError> {
-        let (summary, _) = inspect(path)?;
+        let file = McapFile::open(path)?;
+        let (summary, _) = inspect(&file)?;
         let Some(stats) = summary.stats else { return Ok(false) };
         let mut count = 0;
         let every =
             options().with_validate_data_section_crc(true).with_validate_summary_section_crc(true);
-        for message in message_reader(path, every)? {
+        for message in message_reader(&file, every)? {
             message.map_err(|error| damaged(path, error))?;
             count += 1;
         }
@@ -313,17 +299,18 @@ pub(super) fn definition(channel: &Channel, header: &SchemaHeader, text: &[u8]) 
 
 /// Summary of a file and number of messages a channel; read from the end of the file, or counted
 /// where it has none.
-fn inspect(path: &Path) -> Result<(Summary, BTreeMap<u16, u64>), BagError> {
-    let (file, size) = check_magic(path)?;
-    let summary = summary(&mut BufReader::new(file), size).map_err(|error| damaged(path, error))?;
+fn inspect(file: &McapFile) -> Result<(Summary, BTreeMap<u16, u64>), BagError> {
+    let (bytes, size) = file.read()?;
+    let summary =
+        summary(&mut BufReader::new(bytes), size).map_err(|error| damaged(&file.path, error))?;
     if let Some(Summary { stats: Some(stats), .. }) = &summary {
         let counts = stats.channel_message_counts.clone();
         return Ok((summary.unwrap_or_default(), counts));
     }
     let mut found = Summary::default();
     let mut counts = BTreeMap::new();
-    for message in message_reader(path, options())? {
-        let message = message.map_err(|error| damaged(path, error))?;
+    for message in message_reader(file, options())? {
+        let message = message.map_err(|error| damaged(&file.path, error))?;
         *counts.entry(message.channel.id).or_default() += 1;
         found.channels.entry(message.channel.id).or_insert(message.channel);
     }
@@ -357,32 +344,32 @@ fn options() -> LinearReaderOptions {
         .with_validate_chunk_crcs(true)
 }
 
+/// Messages as they come.
+type Messages = MessageReader<BufReader<Take<Box<dyn ReadAt>>>>;
+
 /// The messages of a file as long as it was when it was opened: one that grows comes to an end.
-fn message_reader(
-    path: &Path,
-    options: LinearReaderOptions,
-) -> Result<MessageReader<BufReader<Take<File>>>, BagError> {
-    let file = File::open(path).map_err(read_error(path))?;
-    let length = file.metadata().map_err(read_error(path))?.len();
-    let file = file.take(length);
-    Ok(MessageReader::new_with_options(BufReader::with_capacity(1 << 18, file), options))
+fn message_reader(file: &McapFile, options: LinearReaderOptions) -> Result<Messages, BagError> {
+    let (bytes, length) = file.read()?;
+    let bytes = BufReader::with_capacity(1 << 18, bytes.take(length));
+    Ok(MessageReader::new_with_options(bytes, options))
 }
 
 /// The record at a place that an index of the file names.
 fn record(
-    path: &Path,
+    file: &McapFile,
     offset: u64,
     length: u64,
 ) -> Result<mcap::records::Record<'static>, BagError> {
-    let mut file = File::open(path).map_err(read_error(path))?;
-    let size = file.metadata().map_err(read_error(path))?.len();
+    let path = &file.path;
+    let (mut bytes_of, size) = file.read()?;
     // An opcode and eight bytes of length stand before the content.
     let inside = offset.checked_add(length).is_some_and(|end| end <= size);
     let length = usize::try_from(length).ok().filter(|length| inside && *length >= 9);
     let Some(length) = length else { return Err(damaged(path, McapError::BadIndex)) };
     let mut bytes = vec![0; length];
-    file.seek(SeekFrom::Start(offset))
-        .and_then(|_| file.read_exact(&mut bytes))
+    bytes_of
+        .seek(SeekFrom::Start(offset))
+        .and_then(|_| bytes_of.read_exact(&mut bytes))
         .map_err(read_error(path))?;
     guarded(path, || {
         mcap::parse_record(bytes[0], &bytes[9..])

@@ -64,6 +64,35 @@ fn what_wwritten_as_is_read() {
 }
 
 #[test]
+fn a_file_packed_by_zstd_as_a_whole_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path().join("bag");
+    let file = write_bag(&dir, 500, BagOptions::default()).file;
+    let packed = zstd::stream::encode_all(&fs::read(&file).unwrap()[..], 3).unwrap();
+    let packed_file = file.with_extension("mcap.zstd");
+    fs::write(&packed_file, packed).unwrap();
+    // Beside the unpacked one it is not read twice, and without it it is.
+    for remove in [false, true] {
+        if remove {
+            fs::remove_file(&file).unwrap();
+        }
+        assert!(crate::is_bag(&packed_file) && crate::is_bag(&dir));
+        for path in [&dir, &packed_file] {
+            let bag = BagReader::open(path).unwrap();
+            let messages = bag.messages::<MotorVoltage>("/motor_voltage").unwrap();
+            assert_eq!(messages.len(), 500);
+            assert_eq!(bag.metadata("run").unwrap().unwrap()["seed"], "7");
+            assert!(bag.attachment("parameters.yaml").unwrap().is_some());
+        }
+    }
+    fs::write(&packed_file, zstd::stream::encode_all(&b"no bag"[..], 3).unwrap()).unwrap();
+    assert!(matches!(BagReader::open(&packed_file), Err(BagError::NotMcap { .. })));
+    fs::write(&packed_file, b"\x28\xb5\x2f\xfdno zstd").unwrap();
+    let said = BagReader::open(&packed_file).unwrap_err().to_string();
+    assert!(said.contains("unpacked"), "{said}");
+}
+
+#[test]
 fn messages_come_in_order_of_time() {
     let folder = tempfile::tempdir().unwrap();
     let dir = folder.path().join("bag");

@@ -53,6 +53,10 @@ pub(super) fn foreign(bytes: &[u8]) -> Option<Foreign> {
         [b'T', b'D', b'S', b'm', ..] => of("a TDMS file of LabVIEW", AS_TEXT),
         [b'U', b'L', b'o', b'g', ..] => of("a flight log (ULog)", AS_TEXT),
         [b'M', b'D', b'F', ..] => of("a measurement data file (MDF)", AS_TEXT),
+        [b'{', rest @ ..] if matches!(rest.trim_ascii_start(), [b'"', ..]) => of(
+            "a JSON file",
+            "as text, with one header line and one line a sample, unless it is the log of a servo",
+        ),
         _ if matlab_4(bytes) => of(
             "a MATLAB file of version 4",
             "in MATLAB by save -v7, in Python by savemat with format='5'",
@@ -93,6 +97,7 @@ mod tests {
             (b"PK\x03\x04....run.csv", "unzip"),
             (b"\x80\x05\x95....", "numpy.savez"),
             (b"#ROSBAG V2.0\n", "rosbags-convert"),
+            (b"{\n  \"mass\": 0.5", "log of a servo"),
             (b"ARROW1\0\0", "to_parquet"),
             (b"\0\0\0\0\x01\0\0\0\x09\0\0\0\0\0\0\0\x02\0\0\0t\0........", "-v7"),
         ] {

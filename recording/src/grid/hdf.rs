@@ -1,7 +1,10 @@
 //! MATLAB 7.3, which is HDF5, and other HDF5 files of arrays. Groups are flattened by dots.
 
-use hdf5_pure::{AttrValue, DType, Dataset, File, Group};
+use hdf5_pure::{
+    AttrValue, DType, Dataset, Datatype, DatatypeByteOrder, File, FloatingPointLayout, Group,
+};
 
+use super::float16::float16;
 use super::{Contents, Variable};
 use crate::units;
 
@@ -67,7 +70,8 @@ fn array(dataset: &Dataset, name: String, found: &mut Contents) -> Result<(), St
             | DType::U32
             | DType::U64
     );
-    if !number {
+    let half = half(dataset);
+    if !number && half.is_none() {
         found.leave_out(&name, "it holds no numbers");
         return Ok(());
     }
@@ -89,13 +93,37 @@ fn array(dataset: &Dataset, name: String, found: &mut Contents) -> Result<(), St
     if count == 0 {
         return Ok(());
     }
-    let values = dataset.read_f64().map_err(said)?;
+    let values = match half {
+        Some(order) => halves(&dataset.read_raw().map_err(said)?, order),
+        None => dataset.read_f64().map_err(said)?,
+    };
     if values.len() != count {
         return Err(format!("`{name}` has {} numbers, not {count}", values.len()));
     }
     let unit = unit(dataset).filter(|_| units::parts(&name).unit.is_none());
     found.variables.push(Variable { name, unit, rows, columns, values });
     Ok(())
+}
+
+/// The order of the bytes of an array of numbers of two bytes; none for another.
+fn half(dataset: &Dataset) -> Option<DatatypeByteOrder> {
+    match dataset.datatype().ok()? {
+        Datatype::FloatingPoint {
+            size: 2,
+            byte_order,
+            layout: FloatingPointLayout { exponent_size: 5, mantissa_size: 10, .. },
+        } => Some(byte_order),
+        _ => None,
+    }
+}
+
+fn halves(bytes: &[u8], order: DatatypeByteOrder) -> Vec<f64> {
+    let (pairs, _) = bytes.as_chunks::<2>();
+    let bits = |pair: &[u8; 2]| match order {
+        DatatypeByteOrder::BigEndian => u16::from_be_bytes(*pair),
+        _ => u16::from_le_bytes(*pair),
+    };
+    pairs.iter().map(|pair| float16(bits(pair))).collect()
 }
 
 /// The unit that an attribute says, as NetCDF has it. One in the name comes first.

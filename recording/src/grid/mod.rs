@@ -6,6 +6,7 @@
 //! whatever it says of itself.
 
 mod assemble;
+mod float16;
 mod foreign;
 mod guard;
 mod hdf;

@@ -10,6 +10,7 @@ use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 
+use super::float16::float16;
 use super::{Contents, Variable};
 
 /// Values that are read at a time.
@@ -23,10 +24,17 @@ pub(super) fn read(bytes: &[u8]) -> Result<Contents, String> {
     let mut found = Contents::default();
     for (index, column) in schema.columns().iter().enumerate() {
         let name = column.path().parts().join(".");
-        let numbers = matches!(
-            column.physical_type(),
-            Type::BOOLEAN | Type::INT32 | Type::INT64 | Type::INT96 | Type::FLOAT | Type::DOUBLE
-        );
+        let half = is_half(column);
+        let numbers = half
+            || matches!(
+                column.physical_type(),
+                Type::BOOLEAN
+                    | Type::INT32
+                    | Type::INT64
+                    | Type::INT96
+                    | Type::FLOAT
+                    | Type::DOUBLE
+            );
         if !numbers || column.max_rep_level() > 0 {
             found.leave_out(&name, "it is no column of numbers");
             continue;
@@ -75,6 +83,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<Contents, String> {
                 ColumnReader::DoubleColumnReader(reader) => {
                     cells(reader, most, first, &mut found, |v| *v)?;
                 }
+                ColumnReader::FixedLenByteArrayColumnReader(reader) if half => {
+                    cells(reader, most, first, &mut found, |v| match v.data() {
+                        [low, high] => float16(u16::from_le_bytes([*low, *high])),
+                        _ => f64::NAN,
+                    })?;
+                }
                 _ => return Err(format!("`{name}` is not of the type that it says")),
             }
         }
@@ -83,6 +97,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<Contents, String> {
         found.variables.push(Variable { name, unit, rows: values.len(), columns: 1, values });
     }
     Ok(found)
+}
+
+/// Whether a column has numbers of two bytes.
+fn is_half(column: &ColumnDescriptor) -> bool {
+    column.physical_type() == Type::FIXED_LEN_BYTE_ARRAY
+        && matches!(column.logical_type_ref(), Some(LogicalType::Float16))
 }
 
 /// The library names a compression that was left out by the feature that it was built without.
@@ -148,6 +168,7 @@ impl Numbers {
             return time(1e-9);
         }
         match (column.logical_type_ref(), column.converted_type()) {
+            (Some(LogicalType::Float16), _) => Some(number),
             (Some(LogicalType::Timestamp(time_of)), _) => time(seconds(&time_of.unit)),
             (Some(LogicalType::Time(time_of)), _) => time(seconds(&time_of.unit)),
             (Some(LogicalType::Integer(int)), _) => {

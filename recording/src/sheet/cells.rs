@@ -3,7 +3,8 @@
 use csv::StringRecord;
 
 use super::dialect::{Separator, number};
-use super::{Body, Cells, Clock, Found, Missing, Sheet, damaged, stamp};
+use super::refusals::damaged;
+use super::{Body, Cells, Found, Missing, Sheet};
 use crate::RecordingError;
 
 impl Sheet<'_> {
@@ -122,10 +123,19 @@ impl Sheet<'_> {
         let Body::Grid(grid) = self.body else {
             return self.number(record, line, found, missing);
         };
-        let column = grid.columns.get(found.index).map(|column| &column.values);
-        let written = usize::try_from(row).ok().and_then(|row| column?.get(row).copied());
-        let written = written.unwrap_or(f64::NAN);
-        match written * found.source.scale {
+        let at = |index: usize| {
+            let row = usize::try_from(row).ok()?;
+            grid.columns.get(index)?.values.get(row).copied()
+        };
+        let written = at(found.index).unwrap_or(f64::NAN);
+        let value = match found.rest {
+            Some(rest) => {
+                let left = at(rest.index).unwrap_or(f64::NAN);
+                self.values.joined(written, left, rest).unwrap_or(f64::NAN)
+            }
+            None => written * found.source.scale,
+        };
+        match value {
             value if value.is_finite() => Ok(Some(value)),
             value if value.is_nan() && missing == Missing::LeftOut => Ok(None),
             _ => Err(self.no_number(line, found, &written.to_string())),
@@ -140,38 +150,19 @@ impl Sheet<'_> {
         found: &Found,
         missing: Missing,
     ) -> Result<Option<f64>, RecordingError> {
-        let cell = record.get(found.index).unwrap_or_default();
-        let read = number(cell, self.dialect.decimal_comma);
-        let read = if found.clock {
-            self.time_of(cell, read, found.source.scale)
-        } else {
-            read.map(|value| value * found.source.scale)
-        };
-        match read {
-            Some(value) if value.is_finite() => Ok(Some(value)),
-            _ if missing == Missing::LeftOut && is_missing(cell) => Ok(None),
-            _ if missing == Missing::AsNan => Ok(Some(f64::NAN)),
-            _ => Err(self.no_number(line, found, cell)),
-        }
-    }
-
-    /// The time in a cell \[s\], as a number or from the first date and time of day. A column is
-    /// written one way from its beginning to its end.
-    fn time_of(&self, cell: &str, number: Option<f64>, scale: f64) -> Option<f64> {
-        let stamp = || stamp::nanoseconds(cell, self.dialect.decimal_comma);
-        match (self.clock.get(), number) {
-            (Clock::Unread | Clock::Numbers, Some(value)) => {
-                if value.is_finite() {
-                    self.clock.set(Clock::Numbers);
+        match self.values.of(record, found) {
+            Some(value) => Ok(Some(value)),
+            None => {
+                let cells = [Some(found.index), found.rest.map(|rest| rest.index)];
+                let mut cells =
+                    cells.into_iter().flatten().map(|index| record.get(index).unwrap_or_default());
+                let cell = cells.clone().next().unwrap_or_default();
+                match missing {
+                    Missing::LeftOut if cells.any(is_missing) => Ok(None),
+                    Missing::AsNan => Ok(Some(f64::NAN)),
+                    _ => Err(self.no_number(line, found, cell)),
                 }
-                Some(value * scale)
             }
-            (Clock::Unread, None) => {
-                self.clock.set(Clock::Stamps(stamp()?));
-                Some(0.0)
-            }
-            (Clock::Stamps(first), None) => Some(stamp()?.wrapping_sub(first) as f64 * 1e-9),
-            (Clock::Numbers, None) | (Clock::Stamps(_), Some(_)) => None,
         }
     }
 
@@ -180,10 +171,9 @@ impl Sheet<'_> {
             path: self.path.into(),
             place: self.place(line),
             column: found.source.name.clone(),
-            expected: if found.clock && matches!(self.body, Body::Text { .. }) {
-                "a finite number or a time such as 2024-03-01T12:00:00.001"
-            } else {
-                "a finite number"
+            expected: match self.body {
+                Body::Text { .. } => self.values.expected(found),
+                Body::Grid(_) => "a finite number",
             },
             found: cell.to_owned(),
         }

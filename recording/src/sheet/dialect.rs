@@ -6,6 +6,7 @@ use std::borrow::Cow;
 use serde::Serialize;
 
 use super::encoding::Encoding;
+use super::preamble;
 use crate::grid::Form;
 
 /// What separates the columns.
@@ -23,6 +24,9 @@ pub enum Separator {
 }
 
 impl Separator {
+    /// In the order in which they are tried.
+    pub(super) const ALL: [Self; 4] = [Self::Tab, Self::Semicolon, Self::Comma, Self::Blanks];
+
     /// In words.
     #[must_use]
     pub const fn describe(self) -> &'static str {
@@ -48,7 +52,7 @@ impl Separator {
         self.split(line).len()
     }
 
-    fn split(self, line: &str) -> Vec<&str> {
+    pub(super) fn split(self, line: &str) -> Vec<&str> {
         if self == Self::Blanks {
             return words(line);
         }
@@ -74,6 +78,8 @@ pub struct Dialect {
     pub decimal_comma: bool,
     /// Lines that are remarks.
     pub remarks: usize,
+    /// Lines above the names that are none of the table, the empty ones and remarks among them.
+    pub above: usize,
     /// The names stand in the last remark above the numbers.
     pub names_in_remark: bool,
     /// There are no names: columns are counted from one.
@@ -91,6 +97,7 @@ impl Dialect {
             separator: Separator::Comma,
             decimal_comma: false,
             remarks: 0,
+            above: 0,
             names_in_remark: false,
             headerless: false,
             units_below: false,
@@ -118,6 +125,8 @@ const LOOKED_AT: usize = 1000;
 /// Tells how a table is written.
 pub(super) fn plain(bytes: &[u8]) -> Plain<'_> {
     let (text, remarks, last) = without_remarks(bytes);
+    let above = preamble::lines_above_names(&text);
+    let text = if above == 0 { text } else { Cow::Owned(preamble::without(&text, above)) };
     let separator = separator(&text);
     let text = if separator == Separator::Blanks { Cow::Owned(tabbed(&text)) } else { text };
     let decimal_comma = has_decimal_commas(&text, separator);
@@ -139,6 +148,7 @@ pub(super) fn plain(bytes: &[u8]) -> Plain<'_> {
         separator,
         decimal_comma,
         remarks,
+        above,
         names_in_remark: names.is_some(),
         headerless: headerless && names.is_none(),
     };
@@ -209,8 +219,6 @@ fn without_remarks(bytes: &[u8]) -> (Cow<'_, [u8]>, usize, Option<String>) {
 /// The first of tab, semicolon, comma and blank that divides the first two lines alike; where none
 /// does, whichever the first line has most of.
 fn separator(bytes: &[u8]) -> Separator {
-    const CANDIDATES: [Separator; 4] =
-        [Separator::Tab, Separator::Semicolon, Separator::Comma, Separator::Blanks];
     let mut lines = lines(bytes);
     let first = lines.next().unwrap_or_default();
     let second = lines.next();
@@ -224,7 +232,7 @@ fn separator(bytes: &[u8]) -> Separator {
             .into_iter()
             .max_by_key(|candidate| candidate.fields(&first))
     };
-    CANDIDATES.into_iter().find(alike).or_else(most).unwrap_or(Separator::Comma)
+    Separator::ALL.into_iter().find(alike).or_else(most).unwrap_or(Separator::Comma)
 }
 
 /// Blanks between columns as one tab each.
@@ -269,7 +277,7 @@ fn has_decimal_commas(bytes: &[u8], separator: Separator) -> bool {
 }
 
 /// Whether a cell is a number, with a point or a comma.
-fn is_number(cell: &str, decimal_comma: bool) -> bool {
+pub(super) fn is_number(cell: &str, decimal_comma: bool) -> bool {
     number(cell.trim().trim_matches('"'), decimal_comma).is_some()
 }
 

@@ -31,23 +31,33 @@ impl Encoding {
     }
 }
 
+/// How a text that begins so is written; none for UTF-8, and for what is no text.
+pub(super) fn encoding_of(bytes: &[u8]) -> Option<Encoding> {
+    match bytes.get(..4) {
+        Some([0xff, 0xfe, ..] | [1..=255, 0, 1..=255, 0]) => return Some(Encoding::Utf16),
+        Some([0xfe, 0xff, ..] | [0, 1..=255, 0, 1..=255]) => return Some(Encoding::Utf16),
+        _ => {}
+    }
+    // What holds bytes of control is no text in any code page.
+    let control = |byte: &u8| matches!(byte, 0..=8 | 14..=31 | 127);
+    let code_page = std::str::from_utf8(bytes).is_err() && !bytes.iter().any(control);
+    code_page.then_some(Encoding::Windows1252)
+}
+
+/// Whether the characters of a text in UTF-16 have their big end first.
+pub(super) fn big_end_first(bytes: &[u8]) -> bool {
+    matches!(bytes.get(..2), Some([0xfe, 0xff] | [0, _]))
+}
+
 /// The text in UTF-8, and how it was written. What is no text stays as it is.
 pub(super) fn decoded(bytes: Cow<'_, [u8]>) -> (Cow<'_, [u8]>, Encoding) {
     let by = |encoding: &'static encoding_rs::Encoding| {
         Cow::Owned(encoding.decode(&bytes).0.into_owned().into_bytes())
     };
-    let utf16 = match bytes.get(..4) {
-        Some([0xff, 0xfe, ..] | [1..=255, 0, 1..=255, 0]) => Some(UTF_16LE),
-        Some([0xfe, 0xff, ..] | [0, 1..=255, 0, 1..=255]) => Some(UTF_16BE),
-        _ => None,
-    };
-    if let Some(encoding) = utf16 {
-        return (by(encoding), Encoding::Utf16);
+    match encoding_of(&bytes) {
+        Some(Encoding::Utf16) if big_end_first(&bytes) => (by(UTF_16BE), Encoding::Utf16),
+        Some(Encoding::Utf16) => (by(UTF_16LE), Encoding::Utf16),
+        Some(Encoding::Windows1252) => (by(WINDOWS_1252), Encoding::Windows1252),
+        _ => (bytes, Encoding::Utf8),
     }
-    // What holds bytes of control is no text in any code page.
-    let control = |byte: &u8| matches!(byte, 0..=8 | 14..=31 | 127);
-    if std::str::from_utf8(&bytes).is_err() && !bytes.iter().any(control) {
-        return (by(WINDOWS_1252), Encoding::Windows1252);
-    }
-    (bytes, Encoding::Utf8)
 }

@@ -5,15 +5,17 @@ use std::path::PathBuf;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 
+use super::Found;
 use super::cells::is_blank;
-use super::dialect::{Dialect, Separator, is_remark, number, tabbed_line};
-use super::{Found, damaged};
+use super::dialect::{Dialect, Separator, is_remark, tabbed_line};
+use super::refusals::damaged;
+use super::value::Values;
 use crate::RecordingError;
 
 /// A table whose columns are known.
 pub(crate) struct Flow {
     path: PathBuf,
-    dialect: Dialect,
+    values: Values,
     /// Columns of each row.
     fields: usize,
     wanted: Vec<Found>,
@@ -36,7 +38,8 @@ impl Flow {
         wanted: Vec<Found>,
     ) -> Self {
         let blanks = dialect.separator == Separator::Blanks;
-        let lines = PlainLines { text, blanks, line: Vec::new(), given: 0 };
+        let above = dialect.above;
+        let lines = PlainLines { text, blanks, above, line: Vec::new(), given: 0 };
         let reader = ReaderBuilder::new()
             .delimiter(dialect.separator.byte())
             .trim(Trim::All)
@@ -45,7 +48,8 @@ impl Flow {
             .from_reader(lines);
         let record = StringRecord::new();
         let units = dialect.units_below;
-        Self { path, dialect, fields, wanted, reader, record, rows: 0, units }
+        let values = Values::new(dialect.decimal_comma);
+        Self { path, values, fields, wanted, reader, record, rows: 0, units }
     }
 
     /// The line of the next row; its values of the wanted columns go into `row`, in SI units.
@@ -74,15 +78,12 @@ impl Flow {
             return Err(RecordingError::Line { path: self.path.clone(), line, detail });
         }
         for (value, found) in row.iter_mut().zip(&self.wanted) {
-            let cell = self.record.get(found.index).unwrap_or_default();
-            let read = number(cell, self.dialect.decimal_comma);
-            let read = read.map(|value| value * found.source.scale).filter(|v| v.is_finite());
-            *value = read.ok_or_else(|| RecordingError::Cell {
+            *value = self.values.of(&self.record, found).ok_or_else(|| RecordingError::Cell {
                 path: self.path.clone(),
                 place: format!("line {line}"),
                 column: found.source.name.clone(),
-                expected: "a finite number",
-                found: cell.to_owned(),
+                expected: self.values.expected(found),
+                found: self.record.get(found.index).unwrap_or_default().to_owned(),
             })?;
         }
         Ok(Some(line))
@@ -109,6 +110,8 @@ struct PlainLines {
     text: Box<dyn BufRead>,
     /// Columns are separated by blanks: by one tab then.
     blanks: bool,
+    /// Lines that are still to come above the names.
+    above: usize,
     line: Vec<u8>,
     given: usize,
 }
@@ -125,7 +128,9 @@ impl PlainLines {
             let what = format!("a line is longer than {LONGEST_LINE} bytes");
             return Err(io::Error::new(io::ErrorKind::InvalidData, what));
         }
-        if is_remark(&self.line) {
+        let above = self.above > 0 && !self.line.is_empty();
+        self.above = self.above.saturating_sub(1);
+        if above || is_remark(&self.line) {
             self.line.clear();
             self.line.push(b'\n');
         } else if self.blanks {

@@ -144,7 +144,7 @@ fn times_written_as_dates_are_read() {
     // A second apart they are seconds, as their form says.
     let slow = |k: u32| format!("12:00:{k:02}");
     assert!((read(text(&slow).as_bytes()).unwrap().time_step - 1.0).abs() < 1e-9);
-    for odd in ["01.03.2024 12:00:00", "0.5"] {
+    for odd in ["01.03.24 12:00:00", "0.5"] {
         let mixed = |k: u32| if k == 20 { odd.to_owned() } else { day(k) };
         let said = read(text(&mixed).as_bytes()).unwrap_err().to_string();
         assert!(said.contains("line 22") && said.contains("2024-03-01T"), "{said}");
@@ -220,9 +220,68 @@ fn what_is_read_wrongly_elsewhere_is_refused_with_the_way_out() {
         let said = read(text.as_bytes()).unwrap_err().to_string();
         assert!(parts.iter().all(|part| said.contains(part)), "{text:?}: {said}");
     }
-    let folder = tempfile::tempdir().unwrap();
-    let path = written(folder.path(), "x.csv", "Recorder,v2\nrig,3\nt,q,tau\n0,1,2\n");
-    let said = overview::look(&path, &Columns::default(), &JointChoice::default()).unwrap_err();
-    let said = said.to_string();
-    assert!(said.contains("line 3") && said.contains("begin each line above it with #"), "{said}");
+}
+
+#[test]
+fn lines_above_the_names_are_none_of_the_table() {
+    let rows: String = (0..30).map(|k| format!("{},{k},1\n", 0.1 * f64::from(k))).collect();
+    for above in ["Recorder,v2\nrig,3\n", "Experiment 7\n\nOperator: Bob, Alice\n", "# x\nrig\n"] {
+        let text = format!("{above}t,q,tau\n{rows}");
+        assert_eq!(read(text.as_bytes()).unwrap().samples(), 30, "{above:?}");
+        let folder = tempfile::tempdir().unwrap();
+        let path = written(folder.path(), "x.csv", &text);
+        let seen = overview::look(&path, &Columns::default(), &JointChoice::default()).unwrap();
+        assert_eq!(seen.dialect.unwrap().above, above.lines().count());
+    }
+    // The lines keep their numbers.
+    let said = read(format!("Rig\nof ours\nt,q,tau\n{rows}9,oops,1\n").as_bytes()).unwrap_err();
+    assert!(said.to_string().contains("line 34"), "{said}");
+}
+
+#[test]
+fn a_time_in_two_columns_is_one() {
+    let read_as = |names: &str, tick: i64| {
+        let row = |k: i64| {
+            let now = 1_771_000_000_987_654_000 + k * 2_000_000;
+            format!("{},{},{k},1\n", now / 1_000_000_000, now % 1_000_000_000 / tick)
+        };
+        read(format!("{names},q,tau\n{}", (0..40).map(row).collect::<String>()).as_bytes())
+    };
+    for (names, tick) in [
+        ("sec,nanosec", 1),
+        ("secs,nsecs", 1),
+        ("header.stamp.sec,header.stamp.nanosec", 1),
+        ("/joint_states/header/stamp/sec,/joint_states/header/stamp/nanosec", 1),
+        ("tv_sec,tv_usec", 1000),
+    ] {
+        let found = read_as(names, tick).unwrap();
+        assert!((found.time_step - 2e-3).abs() < 1e-12, "{names}: {}", found.time_step);
+    }
+    let said = read(b"sec,nanosec,q,tau\n1,2,3,4\n1,x,3,4\n").unwrap_err().to_string();
+    assert!(said.contains("line 3") && said.contains("whole seconds"), "{said}");
+    // A time of its own comes first.
+    let found = read(b"t,sec,nanosec,q,tau\n0,5,0,1,1\n0.1,5,1,1,2\n0.2,5,2,1,3\n").unwrap();
+    assert!((found.time_step - 0.1).abs() < 1e-12);
+}
+
+#[test]
+fn dates_that_begin_with_the_day_are_read_and_unsure_ones_refused_past_midnight() {
+    let text = |stamp: &dyn Fn(u32) -> String| {
+        let rows = (0..50).map(|k| format!("{};{k};1\n", stamp(k)));
+        format!("time;q;tau\n{}", rows.collect::<String>())
+    };
+    for date in ["13.02.2026", "03.02.2026", "13/02/2026", "02/13/2026", "03/02/2026"] {
+        let found = read(text(&|k| format!("{date} 10:11:12.{:03}", 2 * k)).as_bytes()).unwrap();
+        assert!((found.time_step - 2e-3).abs() < 1e-9, "{date}");
+    }
+    let past = |sep: char| {
+        let text = text(&|k| match k {
+            0..25 => format!("03{sep}02{sep}2026 23:59:59.{:03}", 975 + k),
+            _ => format!("04{sep}02{sep}2026 00:00:00.{:03}", k - 25),
+        });
+        read(text.as_bytes())
+    };
+    assert!((past('.').unwrap().time_step - 1e-3).abs() < 1e-9);
+    let said = past('/').unwrap_err().to_string();
+    assert!(said.contains("line 27") && said.contains("told apart"), "{said}");
 }

@@ -50,6 +50,7 @@ pub(super) fn points(
             written: None,
             scaled: false,
             clock: false,
+            rest: None,
         });
     let wanted: Vec<&Found> = [&velocity, &force].into_iter().chain(&deviation).collect();
     let Cells { values, blank, .. } = sheet.columns(&wanted, Missing::LeftOut)?;

@@ -177,7 +177,7 @@ impl Sliding {
                 what: "friction while sliding",
                 needed,
                 found: kept.len(),
-                lower: "the slowest speed that counts",
+                lower: Some("the slowest speed that counts"),
             });
         }
         let used = kept.into_iter().map(|k| k + trim).collect();

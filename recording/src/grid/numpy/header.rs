@@ -202,7 +202,7 @@ fn kind(text: &str) -> Result<Kind, String> {
             let size = size.checked_mul(4).ok_or_else(refuse)?;
             Ok(Kind { letter, size, big, time: None })
         }
-        (b'f', 4 | 8) | (b'i' | b'u', 1 | 2 | 4 | 8) | (b'b', 1) => {
+        (b'f', 2 | 4 | 8) | (b'i' | b'u', 1 | 2 | 4 | 8) | (b'b', 1) => {
             Ok(Kind { letter, size, big, time: None })
         }
         _ => Err(refuse()),

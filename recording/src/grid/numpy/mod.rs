@@ -5,6 +5,7 @@
 
 mod header;
 
+use super::float16::float16;
 use super::{Contents, Variable};
 use header::{Field, Header, Kind};
 
@@ -116,6 +117,7 @@ impl Kind {
         }
         match (self.letter, size) {
             (b'f', 8) => f64::from_bits(whole),
+            (b'f', 2) => float16(whole as u16),
             (b'f', 4) => f64::from(f32::from_bits(whole as u32)),
             (b'i', 1..=8) => {
                 let shift = 64 - 8 * size as u32;

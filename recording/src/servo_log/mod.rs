@@ -7,10 +7,12 @@
 //! entries: timestamp [s], position, goal_position [rad]; speed [rad/s], input_volts [V], torque_enable where recorded
 //! ```
 
+mod complaint;
+
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
 use serde::de::IgnoredAny;
+use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value};
 
 use super::RecordingError;
@@ -108,7 +110,7 @@ struct Entry {
     speed: Option<f64>,
     #[serde(default)]
     input_volts: Option<f64>,
-    #[serde(default = "driven")]
+    #[serde(default = "driven", deserialize_with = "switch")]
     torque_enable: bool,
 }
 
@@ -116,10 +118,28 @@ fn driven() -> bool {
     true
 }
 
+/// `true`, `false`, or 1 and 0 for them.
+fn switch<'de, D: Deserializer<'de>>(from: D) -> Result<bool, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Switch {
+        Word(bool),
+        Number(f64),
+    }
+    match Switch::deserialize(from)? {
+        Switch::Word(on) => Ok(on),
+        Switch::Number(number) if number == 0.0 || number == 1.0 => Ok(number == 1.0),
+        Switch::Number(other) => Err(serde::de::Error::custom(format!(
+            "torque_enable must be true or false, but is {other}"
+        ))),
+    }
+}
+
 /// Reads a log.
 ///
 /// # Errors
-/// [`RecordingError`] with the file, and the line and column where its text is no such log.
+/// [`RecordingError`] with the file, and what is wrong with which field of which entry; the line
+/// and column where its text is no JSON.
 pub fn read(path: &Path) -> Result<ServoFile, RecordingError> {
     let bytes = files::input::table(path)
         .map_err(|source| RecordingError::Read { path: path.into(), source })?;
@@ -129,10 +149,19 @@ pub fn read(path: &Path) -> Result<ServoFile, RecordingError> {
 fn parse(path: &Path, bytes: &[u8]) -> Result<ServoFile, RecordingError> {
     let refuse = |error: serde_json::Error| RecordingError::ServoLog {
         path: path.into(),
-        detail: error.to_string(),
+        detail: error
+            .is_data()
+            .then(|| complaint::complaint(bytes))
+            .flatten()
+            .unwrap_or_else(|| complaint::no_json(bytes, &error)),
     };
     let file: File = serde_json::from_slice(bytes).map_err(refuse)?;
     let Header { fields, .. } = serde_json::from_slice(bytes).map_err(refuse)?;
+    if file.entries.is_empty() {
+        let detail = "its list `entries` is empty: the recorder wrote the header and not one sample; \
+                      record it again, or leave this file out";
+        return Err(RecordingError::ServoLog { path: path.into(), detail: detail.to_owned() });
+    }
     let column = |of: &dyn Fn(&Entry) -> f64| file.entries.iter().map(of).collect::<Vec<f64>>();
     let (time, position) = (column(&|entry| entry.timestamp), column(&|entry| entry.position));
     let recorded: Option<Vec<f64>> = file.entries.iter().map(|entry| entry.speed).collect();
@@ -210,12 +239,34 @@ mod tests {
     fn what_is_wrong_is_said_with_the_file() {
         for (text, part) in [
             (String::new(), "EOF"),
+            (text(0), "`entries` is empty"),
+            (text(9).replace("\"position\": 0,", "\"position\": NaN,"), "JSON has no NaN"),
+            ("[1, 2]".to_owned(), "mass, length, kp and entries, but found a list"),
             (text(9).replace("\"mass\"", "\"weight\""), "missing field `mass`"),
-            (text(9).replace("\"position\": 0", "\"position\": null, \"was\": 0"), "null"),
+            (text(9).replace("\"mass\": 0.5", "\"mass\": \"0.5\""), "without quotation marks"),
+            (text(9).replace("\"vin\": 15", "\"vin\": \"high\""), "`vin` must be a number"),
+            (text(9).replace("\"position\": 0,", "\"position\": null, \"was\": 0,"), "null"),
+            (
+                text(9).replace("\"position\": 0.0212,", "\"position\": \"abc\","),
+                "entry 3 of `entries`, counted from 1: `position` must be a number [rad], but is the text \"abc\"",
+            ),
+            (
+                text(9).replace("\"input_volts\"", "\"torque_enable\""),
+                "must be true or false, but is 11.9",
+            ),
         ] {
             let message = parse(Path::new("a.json"), text.as_bytes()).unwrap_err().to_string();
             assert!(message.contains(part) && message.contains("a.json"), "{message}");
         }
+    }
+
+    #[test]
+    fn a_switch_may_be_written_as_a_number() {
+        let text = text(9).replace("\"input_volts\": 11.9", "\"torque_enable\": 1");
+        let read = parse(Path::new("a.json"), text.as_bytes()).unwrap();
+        assert_eq!(&read.enabled[..2], [true, true]);
+        let text = text.replace("\"torque_enable\": 1", "\"torque_enable\": 0");
+        assert!(!parse(Path::new("a.json"), text.as_bytes()).unwrap().enabled[2]);
     }
 
     proptest! {

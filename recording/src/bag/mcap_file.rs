@@ -1,0 +1,89 @@
+//! An MCAP file to be read: bare, or compressed by zstd as a whole, as rosbag2 does with
+//! `--compression-mode file`.
+
+use std::{
+    fs::{self, File},
+    io::{self, Cursor, Read, Seek},
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use super::BagError;
+use super::reader::{check_magic, read_error};
+use super::sqlite::{ZSTD, unpack};
+
+/// Largest file that is unpacked \[bytes\].
+const LARGEST: u64 = files::input::LARGEST_TABLE;
+
+/// An MCAP file.
+#[derive(Debug, Clone)]
+pub(super) struct McapFile {
+    /// Where it is.
+    pub path: PathBuf,
+    /// What was in it, where it was compressed.
+    unpacked: Option<Arc<[u8]>>,
+}
+
+/// What can be read at any place.
+pub(super) trait ReadAt: Read + Seek {}
+impl<T: Read + Seek> ReadAt for T {}
+
+impl McapFile {
+    /// Looks at its first bytes, and unpacks what is compressed.
+    pub(super) fn open(path: &Path) -> Result<Self, BagError> {
+        let mut start = Vec::new();
+        let mut file = File::open(path).map_err(read_error(path))?;
+        file.by_ref().take(ZSTD.len() as u64).read_to_end(&mut start).map_err(read_error(path))?;
+        if start != ZSTD {
+            check_magic(path)?;
+            return Ok(Self { path: path.into(), unpacked: None });
+        }
+        file.take(LARGEST).read_to_end(&mut start).map_err(read_error(path))?;
+        let bytes = unpack(path, &start, LARGEST).map_err(|error| match error {
+            BagError::Database { path, detail } => BagError::Damaged {
+                path,
+                detail: format!("{detail}; `unzstd` may still unpack a part of it"),
+            },
+            other => other,
+        })?;
+        if !bytes.starts_with(mcap::MAGIC) {
+            return Err(BagError::NotMcap { path: path.into() });
+        }
+        Ok(Self { path: path.into(), unpacked: Some(bytes.into()) })
+    }
+
+    /// Its bytes, from the first one on, and how many there are by now.
+    pub(super) fn read(&self) -> Result<(Box<dyn ReadAt>, u64), BagError> {
+        if let Some(bytes) = &self.unpacked {
+            return Ok((Box::new(Cursor::new(Arc::clone(bytes))), bytes.len() as u64));
+        }
+        let open = || -> io::Result<(Box<dyn ReadAt>, u64)> {
+            let file = File::open(&self.path)?;
+            let length = file.metadata()?.len();
+            Ok((Box::new(file), length))
+        };
+        open().map_err(read_error(&self.path))
+    }
+}
+
+/// The MCAP files of a bag, in order of their names, which rosbag2 numbers. Of one that was unpacked
+/// beside the packed one it is the unpacked one.
+pub(super) fn files_of(path: &Path) -> Result<Vec<PathBuf>, BagError> {
+    if !fs::metadata(path).map_err(read_error(path))?.is_dir() {
+        return Ok(vec![path.into()]);
+    }
+    let mut files = Vec::new();
+    for entry in fs::read_dir(path).map_err(read_error(path))? {
+        let file = entry.map_err(read_error(path))?.path();
+        let name = file.to_string_lossy();
+        if name.ends_with(".mcap") || name.ends_with(".mcap.zstd") {
+            files.push(file);
+        }
+    }
+    let packed_of = |file: &PathBuf| PathBuf::from(format!("{}.zstd", file.display()));
+    let unpacked: Vec<PathBuf> = files.iter().map(packed_of).collect();
+    files.retain(|file| !unpacked.contains(file));
+    // `bag_10.mcap` comes behind `bag_9.mcap`.
+    files.sort_by_key(|file| (file.as_os_str().len(), file.clone()));
+    if files.is_empty() { Err(BagError::NoMcap { path: path.into() }) } else { Ok(files) }
+}
