@@ -248,6 +248,11 @@ impl<T: Real, const N: usize> FrictionModel<T> for Gms<N, T> {
         Internals { deflection, gamma: self.curve.level(velocity), regime }
     }
 
+    /// Which elements slip, and where to.
+    fn switches(&self, slips: &[T; N], f: &mut dyn FnMut(T)) {
+        slips.iter().take(self.parameters.alpha.len()).for_each(|&slips| f(slips));
+    }
+
     #[inline]
     fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity

@@ -274,6 +274,11 @@ impl<T: Real> FrictionModel<T> for Armstrong<T> {
         Internals { deflection, gamma, regime }
     }
 
+    /// The direction of the slip.
+    fn switches(&self, memory: &ArmstrongMemory<T>, f: &mut dyn FnMut(T)) {
+        f(memory.slip);
+    }
+
     #[inline]
     fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity
