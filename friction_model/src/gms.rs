@@ -27,7 +27,8 @@
 //!
 //! Fixed-step form: the exact solution of each regime for a held velocity, with the change from
 //! stick to slip at the end of the period it falls in. In the derivative form too, elements change
-//! regime at the end of an accepted step, so the error is of first order in the step.
+//! regime at the end of an accepted step: an integrator that does not search for it is of first
+//! order.
 //!
 //! `N` is the room for elements; parameter sets with fewer are filled up with elements that carry
 //! nothing.

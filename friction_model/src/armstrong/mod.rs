@@ -46,8 +46,8 @@
 //!
 //! Fixed-step form: `x` and the dwell time are exact for a held velocity, breakaway takes effect at
 //! the next period. The delay is a line with 32 intervals of `tau_l/32`, linear in between, for any
-//! period. In the derivative form the changes take effect when a step is accepted: runs converge
-//! with the first order of the step.
+//! period. In the derivative form the changes take effect when a step is accepted: an integrator
+//! that does not search for them converges with the first order of the step.
 
 use crate::arithmetic::{bounded, mean, saturate, sign};
 use crate::delay_line::DelayLine;
