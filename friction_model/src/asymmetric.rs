@@ -189,6 +189,11 @@ impl<T: Real, M: FrictionModel<T>> FrictionModel<T> for Asymmetric<M> {
         self.side(velocity).steady_state(velocity)
     }
 
+    fn switches(&self, (a, b): &Self::Memory, f: &mut dyn FnMut(T)) {
+        self.forward.switches(&a.memory, f);
+        self.backward.switches(&b.memory, f);
+    }
+
     /// Those of the side that the motion loads.
     fn internals(
         &self,

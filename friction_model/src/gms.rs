@@ -27,7 +27,8 @@
 //!
 //! Fixed-step form: the exact solution of each regime for a held velocity, with the change from
 //! stick to slip at the end of the period it falls in. In the derivative form too, elements change
-//! regime at the end of an accepted step, so the error is of first order in the step.
+//! regime at the end of an accepted step: an integrator that does not search for it is of first
+//! order.
 //!
 //! `N` is the room for elements; parameter sets with fewer are filled up with elements that carry
 //! nothing.
@@ -246,6 +247,11 @@ impl<T: Real, const N: usize> FrictionModel<T> for Gms<N, T> {
         let all = state.memory.iter().take(alpha.len()).all(|&slips| slips * direction > T::ZERO);
         let regime = if all { Regime::Slip } else { Regime::Stick };
         Internals { deflection, gamma: self.curve.level(velocity), regime }
+    }
+
+    /// Which elements slip, and where to.
+    fn switches(&self, slips: &[T; N], f: &mut dyn FnMut(T)) {
+        slips.iter().take(self.parameters.alpha.len()).for_each(|&slips| f(slips));
     }
 
     #[inline]

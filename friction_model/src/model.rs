@@ -311,6 +311,11 @@ pub trait FrictionModel<T: Real = f64>: Clone + Debug {
     fn internals(&self, state: &State<Self::Continuous, Self::Memory>, velocity: T)
     -> Internals<T>;
 
+    /// Calls `f` with each switch that the memory has, as a number that says where it stands: for
+    /// integrators that must know when one was thrown, which is when a step is accepted. None,
+    /// unless a model says otherwise.
+    fn switches(&self, _memory: &Self::Memory, _f: &mut dyn FnMut(T)) {}
+
     /// The part of the force that is viscous, `f_v v`: what is left is the contact's. Zero for
     /// models without such a term.
     fn viscous(&self, _velocity: T) -> T {

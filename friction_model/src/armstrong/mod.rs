@@ -46,8 +46,8 @@
 //!
 //! Fixed-step form: `x` and the dwell time are exact for a held velocity, breakaway takes effect at
 //! the next period. The delay is a line with 32 intervals of `tau_l/32`, linear in between, for any
-//! period. In the derivative form the changes take effect when a step is accepted: runs converge
-//! with the first order of the step.
+//! period. In the derivative form the changes take effect when a step is accepted: an integrator
+//! that does not search for them converges with the first order of the step.
 
 use crate::arithmetic::{bounded, mean, saturate, sign};
 use crate::delay_line::DelayLine;
@@ -272,6 +272,11 @@ impl<T: Real> FrictionModel<T> for Armstrong<T> {
         let regime = if state.memory.slip == T::ZERO { Regime::Stick } else { Regime::Slip };
         let deflection = saturate(self.parameters.f_s / self.parameters.k_t, x);
         Internals { deflection, gamma, regime }
+    }
+
+    /// The direction of the slip.
+    fn switches(&self, memory: &ArmstrongMemory<T>, f: &mut dyn FnMut(T)) {
+        f(memory.slip);
     }
 
     #[inline]

@@ -299,6 +299,11 @@ impl<T: Real> FrictionModel<T> for Wojewoda<T> {
         Internals { deflection: saturate(gamma / self.parameters.k_t, z), gamma, regime }
     }
 
+    /// The direction of the slip.
+    fn switches(&self, motion: &WojewodaMemory<T>, f: &mut dyn FnMut(T)) {
+        f(motion.slip);
+    }
+
     #[inline]
     fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity

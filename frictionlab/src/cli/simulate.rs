@@ -10,7 +10,7 @@ use crate::interruption;
 use experiment_runner::models::file;
 use files::{OutputError, OutputFile};
 use recording::trajectory::{self, Point};
-use studies::simulate::{Done, Motion, Scheme, Settings, Stopped, simulate};
+use studies::simulate::{Done, Motion, Scheme, Settings, Stopped, holds_a_tolerance, simulate};
 use work::destination::Force;
 use work::model_name::model_name;
 use work::progress::Progress;
@@ -80,8 +80,9 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "SECONDS", default_value = "1e-5", allow_negative_numbers = true)]
     dt: f64,
 
-    /// Largest error of a step with --scheme rk4, relative to the largest magnitude that each state
-    /// has had; a step that does not hold it is halved, up to 12 times [default: 1e-6].
+    /// Largest difference between a step with --scheme rk4 and its two halves, in the states and
+    /// the deflection relative to the largest that they have had, in the force and its level
+    /// relative to these; a step that does not hold it is halved [default: 1e-6].
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     tolerance: Option<f64>,
 
@@ -106,6 +107,11 @@ pub fn execute(args: &SimulateArgs) -> anyhow::Result<()> {
         return Err(BadInput(why.to_owned()).into());
     }
     let model = model(args)?;
+    if args.tolerance.is_some() && !holds_a_tolerance(&model) {
+        let why = "--tolerance cannot be held by this model: it draws its bonds at random at each \
+                   step, so other steps are another draw; leave it out";
+        return Err(BadInput(why.to_owned()).into());
+    }
     let mut motion = trajectory::open(&args.velocity)?;
     let out = destination(args)?;
     let SimulateArgs { scheme, dt, load_gain, .. } = *args;
@@ -156,7 +162,7 @@ pub fn execute(args: &SimulateArgs) -> anyhow::Result<()> {
     }
     let (title, rows, path) = (model.name().title(), done.rows, out.name());
     let duration = span.map_or(0.0, |(first, last)| last - first);
-    let mut what = said(args, tolerance, &done);
+    let mut what = said(args, holds_a_tolerance(&model).then_some(tolerance), &done);
     for note in notes {
         what += &format!("{note}\n");
     }
@@ -166,19 +172,33 @@ pub fn execute(args: &SimulateArgs) -> anyhow::Result<()> {
 }
 
 /// What the reader of the result should know of how it was made.
-fn said(args: &SimulateArgs, tolerance: f64, done: &Done) -> String {
+fn said(args: &SimulateArgs, tolerance: Option<f64>, done: &Done) -> String {
     let mut said = String::new();
     let halvings = done.halvings;
-    if args.scheme == Scheme::Rk4 {
-        let shortest = args.dt / 2f64.powi(halvings.most.cast_signed());
-        said = match halvings.halved {
-            0 => format!("every step held the tolerance of {tolerance}\n"),
-            times => format!(
-                "{times} times a step was halved to hold the tolerance of {tolerance}: {} steps were \
-                 taken, the shortest of about {shortest:.1e} s\n",
-                halvings.taken
-            ),
-        };
+    match tolerance.filter(|_| args.scheme == Scheme::Rk4) {
+        None if args.scheme == Scheme::Rk4 => {
+            said += "the model draws its bonds at random at each step: another --dt is another \
+                     draw, and no tolerance is held\n";
+        }
+        None => {}
+        Some(tolerance) if halvings.halved == 0 => {
+            said = format!("every step held the tolerance of {tolerance}\n");
+        }
+        Some(tolerance) => {
+            said = format!(
+                "{} times a step was halved to hold the tolerance of {tolerance}: {} steps were \
+                 taken, the shortest of about {:.1e} s\n",
+                halvings.halved,
+                halvings.taken,
+                args.dt / 2f64.powi(halvings.most.cast_signed())
+            );
+        }
+    }
+    if halvings.jumps > 0 {
+        said += &format!(
+            "{} times the contact switched: where, is known to the shortest step\n",
+            halvings.jumps
+        );
     }
     if done.held > 0 {
         said += &format!(

@@ -258,7 +258,7 @@ pub(crate) fn channels(recording: &Recording) -> Vec<(f64, Signals<'_>)> {
 fn moving(recording: &Recording, settings: &Settings) -> Result<(Conditioned, f64), IdentifyError> {
     let stretches = channels(recording);
     let found = condition_stretches(&stretches, &settings.conditioning);
-    found.and_then(Conditioned::coarsened).map(Conditioned::moving).map_err(|source| {
+    found.and_then(Conditioned::coarsened).and_then(Conditioned::moving).map_err(|source| {
         let stretch = match source {
             IdentError::TooFewSamples { .. } => longest(&stretches),
             _ => None,

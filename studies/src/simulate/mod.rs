@@ -12,7 +12,9 @@ mod table;
 
 use std::io::Write;
 
-use friction_model::{AnyModel, FrictionModel, MAX_SPEED, ModelVisitor, Range, TimeStep};
+use friction_model::{
+    AnyModel, FrictionModel, MAX_SPEED, ModelName, ModelVisitor, Range, TimeStep,
+};
 
 pub use self::refusal::{SimulateError, Stopped};
 pub use self::runge_kutta::Halvings;
@@ -32,8 +34,15 @@ pub enum Scheme {
     /// more: of first order, and stable for every model; steps up to 10 ms
     Held,
     /// The derivative form with the classical Runge-Kutta method of fourth order: each step is
-    /// halved until its error holds the tolerance
+    /// halved until two halves lead to what the whole does
     Rk4,
+}
+
+/// Whether steps of Runge and Kutta can be held to a tolerance: a model that draws at random when a
+/// step is accepted is another one with other steps.
+#[must_use]
+pub fn holds_a_tolerance(model: &AnyModel) -> bool {
+    model.name() != ModelName::Bristle
 }
 
 /// How to simulate.
@@ -43,8 +52,9 @@ pub struct Settings {
     pub scheme: Scheme,
     /// Longest step \[s\].
     pub dt: f64,
-    /// Error that a step of Runge and Kutta may have, relative to the largest magnitude of each
-    /// state.
+    /// Error that a step of Runge and Kutta may have: in each state and the deflection relative to
+    /// the largest magnitude so far, in the level and the force relative to their own, in the
+    /// force at least to the level.
     pub tolerance: f64,
     /// Growth of every level with the load, relative to the level \[1/(N m) or 1/N\]; see
     /// [`friction_model::load_dependent`].
@@ -95,7 +105,8 @@ where
     let mut path = Path { points: motion.points, before: None, dt: settings.dt };
     let Some(first) = path.next()? else { return Ok(Done::default()) };
     let units = motion.axis;
-    model.visit(Simulation { first, path, units, settings: *settings, out })
+    let tolerance = holds_a_tolerance(model).then_some(settings.tolerance);
+    model.visit(Simulation { first, path, units, settings: *settings, tolerance, out })
 }
 
 impl Settings {
@@ -154,6 +165,8 @@ struct Simulation<'a, P> {
     path: Path<P>,
     units: AxisKind,
     settings: Settings,
+    /// None where no steps of Runge and Kutta hold one.
+    tolerance: Option<f64>,
     out: &'a mut dyn Write,
 }
 
@@ -174,7 +187,7 @@ impl<P: Iterator<Item = Result<Point, RecordingError>>> Simulation<'_, P> {
         let Settings { dt, tolerance, load_gain, .. } = self.settings;
         // A model that holds at rest has no states, and no force that a velocity would tell there.
         let holds = model.holding(0.0).is_some();
-        let mut going = Integration::at_rest(model, tolerance);
+        let mut going = Integration::at_rest(model, self.tolerance);
         let mut table = Table::new(model, &going.state, self.units, load_gain, self.out)?;
         let mut here = self.first;
         loop {
@@ -184,14 +197,15 @@ impl<P: Iterator<Item = Result<Point, RecordingError>>> Simulation<'_, P> {
             let Some(next) = self.path.next()? else { break };
             let way = Way { from: here, to: next };
             let (steps, h) = way.division(dt);
+            let at = |step: u64| way.velocity(step as f64 / steps as f64);
             for step in 0..steps {
-                let at = |part: f64| way.velocity((step as f64 + part) / steps as f64);
-                going.advance(h, at).map_err(|Stiff { part, shortest }| SimulateError::Stiff {
+                let stiff = |Stiff { part, shortest }| SimulateError::Stiff {
                     time: here.time + (step as f64 + part) * h,
                     dt: h,
                     shortest: h * shortest,
                     tolerance,
-                })?;
+                };
+                going.advance(h, [at(step), at(step + 1)]).map_err(stiff)?;
             }
             here = next;
         }
@@ -293,3 +307,5 @@ impl Way {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod whole_range;

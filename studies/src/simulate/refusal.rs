@@ -66,7 +66,7 @@ pub enum SimulateError {
     },
     /// No step of Runge and Kutta holds the tolerance.
     #[error(
-        "at {time} s no step holds the tolerance of {tolerance}: {dt} s was halved as often as it may be (to {shortest:.1e} s). The model is too stiff there for --scheme rk4; use --scheme mean, a shorter --dt or a larger --tolerance"
+        "at {time} s no step holds the tolerance of {tolerance}: {dt} s was halved, to {shortest:.1e} s, until 8192 steps were tried or none could be shorter. The model is too stiff there for --scheme rk4; use --scheme mean, a shorter --dt or a larger --tolerance"
     )]
     Stiff {
         /// When \[s\].
