@@ -177,7 +177,7 @@ impl Conditioned {
                 what: "the motion between two rests",
                 needed: shortest,
                 found: longest,
-                lower: "the decimation",
+                lower: Some("the decimation"),
             });
         }
         let of = |column: &[f64]| -> Vec<f64> {
