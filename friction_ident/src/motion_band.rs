@@ -59,6 +59,10 @@ const LOST: f64 = 1e-4;
 const FASTEST: f64 = 0.2;
 /// Rows that a thinned recording keeps, if it has them.
 const ROWS: usize = 500;
+/// Rows that a short recording keeps: thinned no more than leaves these.
+const FEWEST_ROWS: usize = 60;
+/// Share of the samples that a short recording loses at each end.
+const SHORT_ENDS: usize = 10;
 /// Periods of the cutoff dropped at each end, as in the usual conditioning.
 const TRIM: f64 = 5.0;
 
@@ -89,11 +93,11 @@ impl Conditioning {
         if lost > LOST {
             usual.differences = Differences::SixthOrder;
         }
-        if acceleration_cutoff >= usual.cutoff {
-            return usual;
-        }
         let samples: usize = stretches.iter().map(|signals| signals.force.len()).sum();
         let longest = stretches.iter().map(|signals| signals.force.len()).max().unwrap_or(0);
+        if acceleration_cutoff >= usual.cutoff {
+            return usual.spared(samples, longest);
+        }
         let periods = 1.0 / time_step / acceleration_cutoff;
         let thin = periods.round().min((samples / ROWS) as f64) as usize;
         let trim = (TRIM * periods).round() as usize;
@@ -104,6 +108,18 @@ impl Conditioning {
             trim: trim.min(longest / ENDS).max(usual.trim),
             ..usual
         }
+        .spared(samples, longest)
+    }
+
+    /// The same for a recording of so few samples that little would be left of it: less is dropped
+    /// at the ends, and it is thinned less. Of one that nothing can be learnt from, all stays as usual.
+    fn spared(self, samples: usize, longest: usize) -> Self {
+        if longest < FEWEST_ROWS {
+            return self;
+        }
+        let trim = self.trim.min(longest / SHORT_ENDS);
+        let left = samples.saturating_sub(2 * trim);
+        Self { trim, decimate: self.decimate.min((left / FEWEST_ROWS).max(1)), ..self }
     }
 }
 

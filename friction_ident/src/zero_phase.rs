@@ -16,6 +16,10 @@ use pulp::{Arch, Simd, WithSimd};
 
 use crate::IdentError;
 
+/// Signals that are filtered side by side. Eight would fit the widest instructions, but a minute at
+/// 1 kHz would then not stay in the second cache.
+pub(crate) const LANES: usize = 4;
+
 /// A digital low-pass of gain one at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LowPass {
@@ -112,18 +116,17 @@ impl LowPass {
         Ok(filtered.swap_remove(0))
     }
 
-    /// Filters signals of one length side by side: one costs as much as eight.
+    /// Filters signals of one length side by side: one costs as much as [`LANES`].
     ///
     /// # Errors
     /// As for [`filter`](Self::filter).
     pub(crate) fn filter_all(&self, signals: &[&[f64]]) -> Result<Vec<Vec<f64>>, IdentError> {
         let mut filtered = Vec::with_capacity(signals.len());
-        for few in signals.chunks(4) {
+        for few in signals.chunks(LANES) {
             filtered.extend(match few.len() {
                 0 | 1 => self.in_lanes::<1>(few)?,
                 2 => self.in_lanes::<2>(few)?,
-                3 | 4 => self.in_lanes::<4>(few)?,
-                _ => self.in_lanes::<8>(few)?,
+                _ => self.in_lanes::<LANES>(few)?,
             });
         }
         Ok(filtered)

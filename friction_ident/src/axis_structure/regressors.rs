@@ -13,13 +13,10 @@ use super::shape::{LONGEST_DELAY, PositionScale, Shape, ShapeTerm};
 use super::waves::Place;
 use crate::IdentError;
 use crate::conditioning::{Conditioned, Piece};
-use crate::zero_phase::LowPass;
+use crate::zero_phase::{LANES, LowPass};
 
 /// Where the low-pass of the thinning ends, as a share of the rate of the rows.
 const PASS: f64 = 0.4;
-
-/// Samples of a recording times the shapes that are prepared together, at most.
-const PREPARED: usize = 1 << 19;
 
 /// The columns that a nonlinear parameter changes, with the values they were made for.
 #[derive(Debug, Clone, Default)]
@@ -334,9 +331,13 @@ impl<'a> Regressors<'a> {
         Ok(())
     }
 
-    /// How many shapes are worth preparing together, for the memory that they take.
+    /// How many shapes are worth preparing together: as many as fill the lanes of the low-pass.
     pub fn at_once(&self) -> usize {
-        (PREPARED / self.recording.velocity.len().max(1)).clamp(1, 16)
+        let AxisStructure { asymmetric, stribeck, position, damping, .. } = self.structure;
+        let sides = if asymmetric { 2 } else { 1 };
+        let extra = [position, position, damping].into_iter().filter(|has| *has).count();
+        let columns = sides * if stribeck { 2 } else { 1 } + extra;
+        LANES.div_ceil(columns)
     }
 
     /// What friction is made of for a shape, beside its columns.

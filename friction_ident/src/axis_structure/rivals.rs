@@ -9,7 +9,7 @@ use super::fit::StructureFit;
 use super::naming::{AxisUnits, unknowns};
 use super::search::{Best, Search};
 use super::shape::{PositionScale, ShapeTerm};
-use super::{AxisStructure, Choice};
+use super::{AxisStructure, Choice, CrossValidation};
 use crate::conditioning::Conditioned;
 use crate::estimate::{Doubt, Estimate, Interval, IntervalMethod, Verdict};
 use crate::parameter_id::{ParameterId, Side};
@@ -29,14 +29,14 @@ impl Choice {
 impl StructureFit {
     /// Widens each interval to what `rivals` say of the parameter when they are fitted to the same
     /// recording: each counts as unsure as the chosen one is. Rivals that cannot be fitted say nothing.
-    pub fn heed(&mut self, recording: &Conditioned, rivals: &[AxisStructure]) {
+    pub fn heed(&mut self, recording: &Conditioned, rivals: &[CrossValidation]) {
         let ends = |end: fn(Interval) -> f64| -> Vec<f64> {
             let of = |estimate: &Estimate| estimate.interval.map_or(estimate.value, end);
             self.estimates.parameters.iter().map(of).collect()
         };
         let (own_low, own_high) = (ends(|interval| interval.low), ends(|interval| interval.high));
         for rival in rivals {
-            let Some(said) = Said::of(recording, *rival, self.position_scale) else { continue };
+            let Some(said) = Said::of(recording, rival, self.position_scale) else { continue };
             let own = self.structure;
             for (k, estimate) in self.estimates.parameters.iter_mut().enumerate() {
                 let Some(value) = said.value(estimate.id, own) else { continue };
@@ -68,9 +68,10 @@ struct Said {
 }
 
 impl Said {
-    fn of(recording: &Conditioned, structure: AxisStructure, scale: PositionScale) -> Option<Self> {
-        let Best { solution, shape } =
-            Search::new(recording, structure, scale).ok()?.whole().ok()?;
+    fn of(recording: &Conditioned, rival: &CrossValidation, scale: PositionScale) -> Option<Self> {
+        let structure = rival.structure;
+        let mut search = Search::new(recording, structure, scale).ok()?;
+        let Best { solution, shape } = search.from(rival.shape, &[]).ok()?;
         let nonlinear = ShapeTerm::of(&structure).into_iter().map(|term| term.value(&shape));
         let values = solution.x.iter().copied().chain(nonlinear);
         let ids = unknowns(&structure, &AxisUnits::LINEAR).into_iter().map(|unknown| unknown.id);
@@ -116,7 +117,7 @@ impl Said {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fit_structure;
+    use super::super::{cross_validate, fit_structure};
     use super::*;
     use crate::conditioning::{Conditioning, Signals, condition};
     use rand::{RngExt, SeedableRng};
@@ -150,9 +151,10 @@ mod tests {
     fn both_symmetries_are_read_in_terms_of_each_other() {
         let recording = axis();
         let scale = PositionScale::of(&recording);
+        let score = |structure| cross_validate(&recording, structure, 8).unwrap();
         let [symmetric, asymmetric] = [AxisStructure::SYMMETRIC, AxisStructure::ASYMMETRIC];
-        let one = Said::of(&recording, symmetric, scale).unwrap();
-        let two = Said::of(&recording, asymmetric, scale).unwrap();
+        let one = Said::of(&recording, &score(symmetric), scale).unwrap();
+        let two = Said::of(&recording, &score(asymmetric), scale).unwrap();
         let near = |found: Option<f64>, truth: f64| {
             assert!(found.is_some_and(|found| (found - truth).abs() < 0.02), "{found:?} {truth}");
         };
@@ -174,7 +176,8 @@ mod tests {
         let mut fit = fit_structure(&recording, AxisStructure::SYMMETRIC, units).unwrap();
         let before = fit.clone();
         let rival = AxisStructure { stribeck: true, ..AxisStructure::SYMMETRIC };
-        let said = Said::of(&recording, rival, fit.position_scale).unwrap();
+        let rival = cross_validate(&recording, rival, 8).unwrap();
+        let said = Said::of(&recording, &rival, fit.position_scale).unwrap();
         fit.heed(&recording, &[rival]);
         for (estimate, before) in fit.estimates.parameters.iter().zip(&before.estimates.parameters)
         {

@@ -145,11 +145,8 @@ pub fn structured(
     else {
         return Ok(None);
     };
-    let rivals: Vec<AxisStructure> = choice
-        .rivals()
-        .filter_map(|rival| scores.get(rival))
-        .map(|score| score.structure)
-        .collect();
+    let rivals: Vec<CrossValidation> =
+        choice.rivals().filter_map(|rival| scores.get(rival)).cloned().collect();
     fit.heed(estimation, &rivals);
     let here = fit.predict(estimation)?;
     let there = validation.map(|other| fit.predict(other)).transpose()?;
