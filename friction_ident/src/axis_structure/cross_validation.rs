@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::AxisStructure;
 use super::left_out::Whole;
-use super::regressors::rows_of;
+use super::rows::rows_of;
 use super::search::{Best, Search};
 use super::shape::{PositionScale, Shape};
 use crate::IdentError;
@@ -95,7 +95,7 @@ pub fn cross_validate_beside(
     known: &[CrossValidation],
 ) -> Result<CrossValidation, IdentError> {
     let mut search = Search::new(recording, structure, PositionScale::of(recording))?;
-    let rows = search.regressors.rows();
+    let rows = search.regressors.count();
     if !(2..=50).contains(&blocks) || blocks > most(rows) {
         return Err(IdentError::BlockCount { blocks, rows, most: most(rows) });
     }
@@ -136,7 +136,7 @@ fn searched(
     out: Range<usize>,
     block: Range<usize>,
 ) -> Result<DVector<f64>, IdentError> {
-    search.rows = Some((0..search.regressors.rows()).filter(|k| !out.contains(k)).collect());
+    search.rows = Some((0..search.regressors.count()).filter(|k| !out.contains(k)).collect());
     let found = search.closer(best.shape, &[], ENOUGH);
     search.rows = None;
     let Best { shape, solution } = found?;

@@ -55,7 +55,7 @@ impl StructureFit {
         let friction = &regressors.force - matrix.column(0) * self.linear[0];
         let residual = (&regressors.force - &predicted).norm();
         Ok(Prediction {
-            time: regressors.time(),
+            time: regressors.rows.time(),
             velocity: regressors.velocity(&self.shape),
             measured: regressors.force.as_slice().to_vec(),
             predicted: predicted.as_slice().to_vec(),
@@ -163,7 +163,7 @@ pub fn fit_structure(
     let minimum = search.linearise(&best, &terms)?;
     let mut estimates = Estimates::linearised(&minimum, &names, share);
     let motion = search.regressors.motion(&best.shape);
-    let course = Course { pieces: &search.regressors.pieces(), motion: &motion };
+    let course = Course { pieces: &search.regressors.rows.pieces(), motion: &motion };
     let rises = robust_errors(&minimum, &course, &mut estimates);
     let whole = Whole::of(&mut search, &best)?;
     profile::intervals(&mut search, &best, &whole, &rises, &mut estimates);

@@ -36,6 +36,7 @@ mod naming;
 mod profile;
 mod regressors;
 mod rivals;
+mod rows;
 mod search;
 mod shape;
 mod stability;
@@ -47,7 +48,7 @@ pub use cross_validation::{
 };
 pub use fit::{StructureFit, fit_structure};
 pub use naming::AxisUnits;
-pub(crate) use regressors::{read as read_between, rows_of};
+pub(crate) use rows::{read as read_between, rows_of};
 pub(crate) use shape::LONGEST_DELAY;
 pub use shape::{PositionScale, Shape};
 

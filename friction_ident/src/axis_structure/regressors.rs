@@ -9,14 +9,12 @@ use nalgebra::{DMatrix, DVector};
 
 use super::AxisStructure;
 use super::friction_curve::{FrictionCurve, Levels};
-use super::shape::{LONGEST_DELAY, PositionScale, Shape, ShapeTerm};
+use super::rows::Rows;
+use super::shape::{PositionScale, Shape, ShapeTerm};
 use super::waves::Place;
 use crate::IdentError;
-use crate::conditioning::{Conditioned, Piece};
-use crate::zero_phase::{LANES, LowPass};
-
-/// Where the low-pass of the thinning ends, as a share of the rate of the rows.
-const PASS: f64 = 0.4;
+use crate::conditioning::Conditioned;
+use crate::zero_phase::LANES;
 
 /// The columns that a nonlinear parameter changes, with the values they were made for.
 #[derive(Debug, Clone, Default)]
@@ -31,7 +29,8 @@ pub(super) struct Regressors<'a> {
     structure: AxisStructure,
     /// Position from -1 to 1 over the estimation recording, where the structure needs it.
     place: Vec<f64>,
-    filter: Option<LowPass>,
+    /// How samples become rows.
+    pub rows: Rows<'a>,
     /// Inertia, viscous friction, offset, force along the axis, gravity.
     fixed: Vec<Vec<f64>>,
     friction: Group,
@@ -50,24 +49,19 @@ impl<'a> Regressors<'a> {
         structure: AxisStructure,
         scale: PositionScale,
     ) -> Result<Self, IdentError> {
-        let factor = recording.decimate;
-        let filter = match factor {
-            1 => None,
-            _ => Some(LowPass::chebyshev(8, 0.05, PASS / factor as f64, 1.0)?),
-        };
+        let rows = Rows::of(recording)?;
         if recording.force.iter().all(|&force| force == 0.0) {
             return Err(IdentError::ZeroForce);
         }
         if structure.needs_position() && recording.position.is_none() {
             return Err(IdentError::NoPosition { structure });
         }
-        let rows: usize = recording.pieces.iter().map(|piece| rows_of(piece, factor)).sum();
-        let needed = 4 * structure.parameters();
-        if rows < needed {
+        let (found, needed) = (rows.count(), 4 * structure.parameters());
+        if found < needed {
             return Err(IdentError::TooFewSamples {
                 what: "the regression, after trimming and decimation,",
                 needed,
-                found: rows,
+                found,
                 lower: Some("the trim or the decimation"),
             });
         }
@@ -77,7 +71,7 @@ impl<'a> Regressors<'a> {
             recording,
             structure,
             place,
-            filter,
+            rows,
             fixed: Vec::new(),
             friction: Group::default(),
             prepared: Vec::new(),
@@ -87,20 +81,15 @@ impl<'a> Regressors<'a> {
         };
         let mut columns = made.fixed_columns();
         columns.push(recording.force.clone());
-        made.fixed = made.smoothed(columns)?;
+        made.fixed = made.rows.smoothed(columns)?;
         let force = made.fixed.pop().unwrap_or_default();
-        made.force = DVector::from_vec(made.read(&force, 0.0));
+        made.force = DVector::from_vec(made.rows.read(&force, 0.0));
         Ok(made)
     }
 
-    pub fn rows(&self) -> usize {
+    /// How many rows there are.
+    pub fn count(&self) -> usize {
         self.force.len()
-    }
-
-    /// Rows of each stretch.
-    pub fn pieces(&self) -> Vec<usize> {
-        let factor = self.recording.decimate;
-        self.recording.pieces.iter().map(|piece| rows_of(piece, factor)).collect()
     }
 
     /// One row a kept sample, one column a linear parameter.
@@ -110,9 +99,9 @@ impl<'a> Regressors<'a> {
         let delay = self.advance(shape);
         let columns = self.fixed.iter().chain(&self.friction.columns).chain(&self.harmonic.columns);
         let columns: Vec<&Vec<f64>> = columns.collect();
-        let mut matrix = DMatrix::zeros(self.rows(), columns.len());
+        let mut matrix = DMatrix::zeros(self.count(), columns.len());
         for (mut to, from) in matrix.column_iter_mut().zip(columns) {
-            to.copy_from_slice(&self.read(from, delay));
+            to.copy_from_slice(&self.rows.read(from, delay));
         }
         Ok(matrix)
     }
@@ -130,7 +119,7 @@ impl<'a> Regressors<'a> {
         let smooth = terms.iter().filter(|term| **term != ShapeTerm::Delay);
         let rough = smooth.map(|&term| self.rough_slope(term, shape, linear));
         let rough = rough.collect::<Result<_, _>>()?;
-        let mut slopes = self.smoothed(rough)?.into_iter();
+        let mut slopes = self.rows.smoothed(rough)?.into_iter();
         let delay = self.advance(shape);
         let [before, after] = delays.map(|delay| Shape { delay, ..*shape });
         let mut slope = |term: &ShapeTerm| match term {
@@ -138,7 +127,7 @@ impl<'a> Regressors<'a> {
                 let change = self.matrix(&after)? - self.matrix(&before)?;
                 Ok(change * linear / (after.delay - before.delay))
             }
-            _ => Ok(DVector::from_vec(self.read(&slopes.next().unwrap_or_default(), delay))),
+            _ => Ok(DVector::from_vec(self.rows.read(&slopes.next().unwrap_or_default(), delay))),
         };
         terms.iter().map(&mut slope).collect()
     }
@@ -192,74 +181,23 @@ impl<'a> Regressors<'a> {
         if self.structure.delay { shape.delay / self.recording.time_step } else { 0.0 }
     }
 
-    /// Time since the recording's first sample \[s\], of each row.
-    pub fn time(&self) -> Vec<f64> {
-        let Conditioned { time_step, first, decimate, .. } = *self.recording;
-        let of = |piece: &Piece| {
-            let start = piece.start;
-            (0..rows_of(piece, decimate))
-                .map(move |k| start + (first + k * decimate) as f64 * time_step)
-        };
-        self.recording.pieces.iter().flat_map(of).collect()
-    }
-
     /// Velocity of each row, as it is when the force acts.
     pub fn velocity(&self, shape: &Shape) -> Vec<f64> {
-        self.read(&self.recording.velocity, self.advance(shape))
+        self.rows.read(&self.recording.velocity, self.advance(shape))
     }
 
     /// Where the axis is at each row, and how fast, as the force acts.
     pub fn places(&self, shape: &Shape) -> Vec<Place> {
         let position = self.recording.position.as_deref().unwrap_or_default();
-        let position = self.read(position, self.advance(shape));
+        let position = self.rows.read(position, self.advance(shape));
         let places = position.into_iter().zip(self.velocity(shape));
         places.map(|(position, velocity)| Place { position, speed: velocity.abs() }).collect()
-    }
-
-    /// How many waves a second pass the low-pass of the thinning.
-    pub fn fastest_wave(&self) -> f64 {
-        let Conditioned { decimate, time_step, .. } = *self.recording;
-        if decimate == 1 { f64::INFINITY } else { PASS / (decimate as f64 * time_step) }
     }
 
     /// What the axis does at each row.
     pub fn motion(&self, shape: &Shape) -> Vec<Vec<f64>> {
         let delay = self.advance(shape);
-        self.recording.motion().iter().map(|column| self.read(column, delay)).collect()
-    }
-
-    /// A column on the kept rows, read `delay` samples later, never beyond its own stretch.
-    fn read(&self, column: &[f64], delay: f64) -> Vec<f64> {
-        let factor = self.recording.decimate;
-        let mut rows = Vec::with_capacity(self.recording.pieces.len() * 8);
-        let (later, t) = (delay.floor() as usize, delay - delay.floor());
-        let weights = cubic(t);
-        for piece in &self.recording.pieces {
-            let own = column.get(piece.kept.clone()).unwrap_or_default();
-            rows.extend((0..rows_of(piece, factor)).map(|k| {
-                let at = k * factor + later;
-                match own.get(at.wrapping_sub(1)..at + 3) {
-                    Some(near) if t > 0.0 => near.iter().zip(&weights).map(|(y, w)| y * w).sum(),
-                    _ => read(own, at as f64 + t),
-                }
-            }));
-        }
-        rows
-    }
-
-    /// Columns after the low-pass of the thinning.
-    fn smoothed(&self, columns: Vec<Vec<f64>>) -> Result<Vec<Vec<f64>>, IdentError> {
-        let Some(filter) = &self.filter else { return Ok(columns) };
-        let mut smooth = vec![Vec::new(); columns.len()];
-        for piece in &self.recording.pieces {
-            let kept = || piece.kept.clone();
-            let own: Vec<&[f64]> =
-                columns.iter().map(|column| column.get(kept()).unwrap_or_default()).collect();
-            for (all, own) in smooth.iter_mut().zip(filter.filter_all(&own)?) {
-                if all.is_empty() { *all = own } else { all.extend(own) }
-            }
-        }
-        Ok(smooth)
+        self.recording.motion().iter().map(|column| self.rows.read(column, delay)).collect()
     }
 
     /// The columns that no nonlinear parameter changes, before the low-pass.
@@ -306,7 +244,7 @@ impl<'a> Regressors<'a> {
             return Ok(());
         }
         let curve = FrictionCurve::of(self.recording, &self.structure, shape);
-        let columns = self.smoothed(self.friction_columns(&curve))?;
+        let columns = self.rows.smoothed(self.friction_columns(&curve))?;
         self.friction = Group { made_for: Some(key), columns };
         self.curve = Some(curve);
         Ok(())
@@ -320,7 +258,7 @@ impl<'a> Regressors<'a> {
         };
         let columns: Vec<Vec<Vec<f64>>> = shapes.iter().map(of).collect();
         let each = columns.first().map_or(0, Vec::len);
-        let smooth = self.smoothed(columns.into_iter().flatten().collect())?;
+        let smooth = self.rows.smoothed(columns.into_iter().flatten().collect())?;
         let groups = smooth.chunks(each.max(1)).zip(shapes);
         self.prepared = groups
             .map(|(columns, shape)| Group {
@@ -374,7 +312,7 @@ impl<'a> Regressors<'a> {
         if !self.structure.harmonic || self.harmonic.made_for == Some(key) {
             return Ok(());
         }
-        let columns = self.smoothed(self.harmonic_columns(shape))?;
+        let columns = self.rows.smoothed(self.harmonic_columns(shape))?;
         self.harmonic = Group { made_for: Some(key), columns };
         Ok(())
     }
@@ -390,47 +328,4 @@ impl<'a> Regressors<'a> {
 /// What the columns of friction depend on.
 fn friction_key(shape: &Shape) -> [f64; 2] {
     [shape.v_s, shape.displacement]
-}
-
-/// Rows that a stretch gives: its end is left to the longest delay.
-pub(crate) fn rows_of(piece: &Piece, factor: usize) -> usize {
-    piece.kept.len().saturating_sub(LONGEST_DELAY + 2).div_ceil(factor)
-}
-
-/// A column between its samples, by the cubic through the four around it.
-pub(crate) fn read(column: &[f64], at: f64) -> f64 {
-    let i = at.floor() as usize;
-    let t = at - i as f64;
-    let value =
-        |k: usize| column.get(k.min(column.len().saturating_sub(1))).copied().unwrap_or(0.0);
-    if t == 0.0 {
-        return value(i);
-    }
-    let near = [value(i.saturating_sub(1)), value(i), value(i + 1), value(i + 2)];
-    near.iter().zip(cubic(t)).map(|(y, weight)| y * weight).sum()
-}
-
-/// Weights of four samples in the value of their cubic at `t` between the second and the third.
-fn cubic(t: f64) -> [f64; 4] {
-    [
-        -t * (t - 1.0) * (t - 2.0) / 6.0,
-        (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
-        -(t + 1.0) * t * (t - 2.0) / 2.0,
-        (t + 1.0) * t * (t - 1.0) / 6.0,
-    ]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::read;
-
-    /// A cubic is met exactly inside.
-    #[test]
-    fn a_cubic_is_read_exactly_between_samples() {
-        let cubic = |t: f64| 1.0 + t * (2.0 - t * (0.5 - 0.25 * t));
-        let column: Vec<f64> = (0..8).map(|i| cubic(f64::from(i))).collect();
-        for at in [1.0, 1.3, 2.5, 4.999, 5.5] {
-            assert!((read(&column, at) - cubic(at)).abs() < 1e-12, "{at}");
-        }
-    }
 }

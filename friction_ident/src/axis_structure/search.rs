@@ -130,7 +130,7 @@ impl<'a> Search<'a> {
             None => places,
             Some(rows) => rows.iter().filter_map(|&row| places.get(row).copied()).collect(),
         };
-        let fastest = self.regressors.fastest_wave();
+        let fastest = self.regressors.rows.fastest_wave();
         Ok(waves::promising(&grid, TRIED, &places, &others, &force, fastest))
     }
 
@@ -291,7 +291,7 @@ impl Separable<'_, '_> {
 
 impl Residuals for Separable<'_, '_> {
     fn len(&self) -> usize {
-        self.search.rows.as_ref().map_or(self.search.regressors.rows(), Vec::len)
+        self.search.rows.as_ref().map_or(self.search.regressors.count(), Vec::len)
     }
 
     fn residuals(&mut self, x: &[f64], out: &mut [f64]) -> bool {

@@ -30,7 +30,7 @@ const SLIP: f64 = 0.5;
 
 /// Takes the verdict `identified` from parameters that do not stay within their interval.
 pub(super) fn judge(search: &mut Search, best: &Best, whole: &Whole, estimates: &mut Estimates) {
-    let rows = search.regressors.rows();
+    let rows = search.regressors.count();
     if rows / PARTS * (PARTS - 1) < ROWS_EACH * estimates.parameters.len() {
         return;
     }

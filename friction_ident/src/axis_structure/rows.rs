@@ -1,0 +1,131 @@
+//! The rows of the regression: samples behind the low-pass of the thinning, one in so many, read as
+//! late as the force acts.
+
+use super::shape::LONGEST_DELAY;
+use crate::IdentError;
+use crate::conditioning::{Conditioned, Piece};
+use crate::zero_phase::LowPass;
+
+/// Where the low-pass of the thinning ends, as a share of the rate of the rows.
+const PASS: f64 = 0.4;
+
+/// How a recording's samples become rows.
+pub(super) struct Rows<'a> {
+    recording: &'a Conditioned,
+    filter: Option<LowPass>,
+}
+
+impl<'a> Rows<'a> {
+    pub fn of(recording: &'a Conditioned) -> Result<Self, IdentError> {
+        let filter = match recording.decimate {
+            1 => None,
+            factor => Some(LowPass::chebyshev(8, 0.05, PASS / factor as f64, 1.0)?),
+        };
+        Ok(Self { recording, filter })
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.pieces().iter().sum()
+    }
+
+    /// Rows of each stretch.
+    pub fn pieces(&self) -> Vec<usize> {
+        let factor = self.recording.decimate;
+        self.recording.pieces.iter().map(|piece| rows_of(piece, factor)).collect()
+    }
+
+    /// Time since the recording's first sample \[s\], of each row.
+    pub fn time(&self) -> Vec<f64> {
+        let Conditioned { time_step, first, decimate, .. } = *self.recording;
+        let of = |piece: &Piece| {
+            let start = piece.start;
+            (0..rows_of(piece, decimate))
+                .map(move |k| start + (first + k * decimate) as f64 * time_step)
+        };
+        self.recording.pieces.iter().flat_map(of).collect()
+    }
+
+    /// How many waves a second pass the low-pass of the thinning.
+    pub fn fastest_wave(&self) -> f64 {
+        let Conditioned { decimate, time_step, .. } = *self.recording;
+        if decimate == 1 { f64::INFINITY } else { PASS / (decimate as f64 * time_step) }
+    }
+
+    /// A column on the kept rows, read `delay` samples later, never beyond its own stretch.
+    pub fn read(&self, column: &[f64], delay: f64) -> Vec<f64> {
+        let factor = self.recording.decimate;
+        let mut rows = Vec::with_capacity(self.recording.pieces.len() * 8);
+        let (later, t) = (delay.floor() as usize, delay - delay.floor());
+        let weights = cubic(t);
+        for piece in &self.recording.pieces {
+            let own = column.get(piece.kept.clone()).unwrap_or_default();
+            rows.extend((0..rows_of(piece, factor)).map(|k| {
+                let at = k * factor + later;
+                match own.get(at.wrapping_sub(1)..at + 3) {
+                    Some(near) if t > 0.0 => near.iter().zip(&weights).map(|(y, w)| y * w).sum(),
+                    _ => read(own, at as f64 + t),
+                }
+            }));
+        }
+        rows
+    }
+
+    /// Columns after the low-pass of the thinning.
+    pub fn smoothed(&self, columns: Vec<Vec<f64>>) -> Result<Vec<Vec<f64>>, IdentError> {
+        let Some(filter) = &self.filter else { return Ok(columns) };
+        let mut smooth = vec![Vec::new(); columns.len()];
+        for piece in &self.recording.pieces {
+            let kept = || piece.kept.clone();
+            let own: Vec<&[f64]> =
+                columns.iter().map(|column| column.get(kept()).unwrap_or_default()).collect();
+            for (all, own) in smooth.iter_mut().zip(filter.filter_all(&own)?) {
+                if all.is_empty() { *all = own } else { all.extend(own) }
+            }
+        }
+        Ok(smooth)
+    }
+}
+
+/// Rows that a stretch gives: its end is left to the longest delay.
+pub(crate) fn rows_of(piece: &Piece, factor: usize) -> usize {
+    piece.kept.len().saturating_sub(LONGEST_DELAY + 2).div_ceil(factor)
+}
+
+/// A column between its samples, by the cubic through the four around it.
+pub(crate) fn read(column: &[f64], at: f64) -> f64 {
+    let i = at.floor() as usize;
+    let t = at - i as f64;
+    let value =
+        |k: usize| column.get(k.min(column.len().saturating_sub(1))).copied().unwrap_or(0.0);
+    if t == 0.0 {
+        return value(i);
+    }
+    let near = [value(i.saturating_sub(1)), value(i), value(i + 1), value(i + 2)];
+    near.iter().zip(cubic(t)).map(|(y, weight)| y * weight).sum()
+}
+
+/// Weights of four samples in the value of their cubic at `t` between the second and the third.
+fn cubic(t: f64) -> [f64; 4] {
+    [
+        -t * (t - 1.0) * (t - 2.0) / 6.0,
+        (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
+        -(t + 1.0) * t * (t - 2.0) / 2.0,
+        (t + 1.0) * t * (t - 1.0) / 6.0,
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::read;
+
+    /// A cubic is met exactly inside.
+    #[test]
+    fn a_cubic_is_read_exactly_between_samples() {
+        let cubic = |t: f64| 1.0 + t * (2.0 - t * (0.5 - 0.25 * t));
+        let column: Vec<f64> = (0..8).map(|i| cubic(f64::from(i))).collect();
+        for at in [1.0, 1.3, 2.5, 4.999, 5.5] {
+            assert!((read(&column, at) - cubic(at)).abs() < 1e-12, "{at}");
+        }
+    }
+}
