@@ -9,7 +9,6 @@ use std::{
 };
 
 use super::BagError;
-use super::reader::{check_magic, read_error};
 use super::sqlite::{ZSTD, unpack};
 
 /// Largest file that is unpacked \[bytes\].
@@ -86,4 +85,25 @@ pub(super) fn files_of(path: &Path) -> Result<Vec<PathBuf>, BagError> {
     // `bag_10.mcap` comes behind `bag_9.mcap`.
     files.sort_by_key(|file| (file.as_os_str().len(), file.clone()));
     if files.is_empty() { Err(BagError::NoMcap { path: path.into() }) } else { Ok(files) }
+}
+
+pub(super) fn read_error(path: &Path) -> impl FnOnce(io::Error) -> BagError {
+    let path = path.to_owned();
+    move |source| BagError::Read { path, source }
+}
+
+/// The file, at the place behind its first bytes, which are those of an MCAP file, and its size.
+pub(super) fn check_magic(path: &Path) -> Result<(File, u64), BagError> {
+    let mut file = File::open(path).map_err(read_error(path))?;
+    let size = file.metadata().map_err(read_error(path))?.len();
+    if size == 0 {
+        return Err(BagError::Empty { path: path.into() });
+    }
+    let mut magic = [0; mcap::MAGIC.len()];
+    let known = match file.read_exact(&mut magic) {
+        Ok(()) => magic == mcap::MAGIC,
+        Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => false,
+        Err(error) => return Err(read_error(path)(error)),
+    };
+    if known { Ok((file, size)) } else { Err(BagError::NotMcap { path: path.into() }) }
 }

@@ -18,7 +18,7 @@ use msgs::{RosMessage, cdr};
 use super::{
     BagError,
     guard::guarded,
-    mcap_file::{McapFile, ReadAt, files_of},
+    mcap_file::{McapFile, ReadAt, files_of, read_error},
     salvage::{Found, LARGEST_RECORD, Losses, Salvage},
     schema::{Judgement, judge},
     sqlite::{self, Database},
@@ -229,11 +229,6 @@ impl BagReader {
     }
 }
 
-pub(super) fn read_error(path: &Path) -> impl FnOnce(io::Error) -> BagError {
-    let path = path.to_owned();
-    move |source| BagError::Read { path, source }
-}
-
 fn damaged(path: &Path, error: McapError) -> BagError {
     match error {
         McapError::Io(source)
@@ -243,22 +238,6 @@ fn damaged(path: &Path, error: McapError) -> BagError {
         }
         other => BagError::Damaged { path: path.into(), detail: other.to_string() },
     }
-}
-
-/// The file, at the place behind its first bytes, which are those of an MCAP file, and its size.
-pub(super) fn check_magic(path: &Path) -> Result<(File, u64), BagError> {
-    let mut file = File::open(path).map_err(read_error(path))?;
-    let size = file.metadata().map_err(read_error(path))?.len();
-    if size == 0 {
-        return Err(BagError::Empty { path: path.into() });
-    }
-    let mut magic = [0; mcap::MAGIC.len()];
-    let known = match file.read_exact(&mut magic) {
-        Ok(()) => magic == mcap::MAGIC,
-        Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => false,
-        Err(error) => return Err(read_error(path)(error)),
-    };
-    if known { Ok((file, size)) } else { Err(BagError::NotMcap { path: path.into() }) }
 }
 
 /// Whether every message of a file can be read, every checksum is right, every definition is one,

@@ -8,10 +8,11 @@ use std::path::{Path, PathBuf};
 use mcap::records::Channel;
 
 use super::guard::guarded;
+use super::mcap_file::check_magic;
 use super::mcap_file::files_of;
 use super::metadata::{TopicEntry, entry_of};
 use super::output::{Close, Description, Output};
-use super::reader::{check_magic, definition, is_whole};
+use super::reader::{definition, is_whole};
 use super::salvage::{Found, Losses, Salvage};
 use super::schema::Judgement;
 use super::{BagError, BagOptions, BagSummary};

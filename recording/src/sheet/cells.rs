@@ -2,8 +2,8 @@
 
 use csv::StringRecord;
 
-use super::dialect::{Separator, number};
 use super::refusals::damaged;
+use super::separator::{Separator, number};
 use super::{Body, Cells, Found, Missing, Sheet};
 use crate::RecordingError;
 

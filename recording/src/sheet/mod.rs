@@ -13,6 +13,7 @@ mod load;
 mod named;
 mod preamble;
 mod refusals;
+mod separator;
 mod stamp;
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,7 @@
 //! Lines of text above the names, as measuring programs write them without a mark: `Recorder v2`,
 //! `Operator: Bob`.
 
-use super::dialect::{Separator, is_number};
+use super::separator::{Separator, is_number};
 use crate::units;
 
 /// Lines among which the names must stand.

@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use csv::StringRecord;
 
-use super::dialect::number;
+use super::separator::number;
 use super::stamp::{self, Stamp};
 use super::{Found, Rest};
 
