@@ -553,7 +553,7 @@ mod tests {
     }
 
     /// An axis that rested for most of a recording used to be fitted with its rest: Coulomb friction
-    /// of .5 N m came out as .007 +- .023.
+    /// of 0.5 N m came out as 0.007 +- 0.023.
     #[test]
     fn a_long_rest_is_left_out_however_long() {
         use rand::{RngExt, SeedableRng};

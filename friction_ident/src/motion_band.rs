@@ -281,8 +281,6 @@ mod tests {
         let signals =
             Signals { time_step: dt, position: Some(&position), velocity: None, force: &force };
         let how = Conditioning::for_motion(dt, &[signals]);
-        let signals =
-            Signals { time_step: dt, position: Some(&position), velocity: None, force: &force };
         let fit = fit_axis(&condition(&signals, &how).unwrap(), AxisModel::SYMMETRIC).unwrap();
         let found = fit.value(crate::axis_term::AxisTerm::Inertia);
         assert!((found / 0.02 - 1.0).abs() < 5e-4, "{found}, {how:?}");
@@ -333,5 +331,35 @@ mod tests {
         assert_eq!(Conditioning::for_motion(DT, &[rest]), usual);
         let short = Signals { position: Some(&still[..4]), force: &force[..4], ..signals };
         assert_eq!(Conditioning::for_motion(DT, &[short]), usual);
+    }
+
+    /// One and a half seconds at 100 Hz: with 50 samples off each end and one in ten kept, five were
+    /// left. A long recording is treated as before.
+    #[test]
+    fn a_short_recording_keeps_enough_to_be_fitted() {
+        let dt = 0.01;
+        let record = |count: u32| -> (Vec<f64>, Vec<f64>) {
+            (0..count)
+                .map(|k| {
+                    let (sin, cos) = f64::sin_cos(12.0 * dt * f64::from(k));
+                    (0.5 * sin, -0.02 * 72.0 * sin + 0.1 * 6.0 * cos + 0.5 * cos.signum())
+                })
+                .unzip()
+        };
+        let how = |position: &[f64], force: &[f64]| {
+            let signals =
+                Signals { time_step: dt, position: Some(position), velocity: None, force };
+            (Conditioning::for_motion(dt, &[signals]), signals.force.len())
+        };
+        let (position, force) = record(150);
+        let (short, _) = how(&position, &force);
+        let signals =
+            Signals { time_step: dt, position: Some(&position), velocity: None, force: &force };
+        let fit = fit_axis(&condition(&signals, &short).unwrap(), AxisModel::SYMMETRIC).unwrap();
+        let found = fit.value(crate::axis_term::AxisTerm::Coulomb);
+        assert!((found / 0.5 - 1.0).abs() < 0.2, "{found}, {short:?}");
+        let (position, force) = record(4000);
+        let (long, _) = how(&position, &force);
+        assert!(long.trim >= 50 && short.trim <= 15, "{long:?} {short:?}");
     }
 }

@@ -115,7 +115,7 @@ pub fn cross_validate_beside(
         let (first, end) = (block * rows / blocks, (block + 1) * rows / blocks);
         let out = first.saturating_sub(guard)..(end + guard).min(rows);
         let error = match whole.without(&search, out.clone(), OVER) {
-            Some(step) => whole.rest(&step, first..end),
+            Some(change) => whole.rest(&change, first..end),
             None => searched(&mut search, &best, out, first..end)?,
         };
         squares.push(error.norm_squared() / rows as f64);

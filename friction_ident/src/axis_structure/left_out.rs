@@ -46,12 +46,6 @@ pub(super) struct Whole {
     gradient: DVector<f64>,
 }
 
-/// Where the parameters go without some rows.
-pub(super) struct Step {
-    /// The change of each parameter, linear ones first.
-    pub change: DVector<f64>,
-}
-
 impl Whole {
     pub fn of(search: &mut Search, best: &Best) -> Result<Self, IdentError> {
         let terms = ShapeTerm::of(&search.structure);
@@ -76,10 +70,10 @@ impl Whole {
         Ok(Self { slopes, residual, terms, shape, linear, free, held, scale, normal, gradient })
     }
 
-    /// Without the rows in `out`; none where the model is not straight so far, or where what is left
+    /// The change of each parameter, linear ones first, without the rows in `out`; none where the model is not straight so far, or where what is left
     /// does not show a parameter. Along a valley, where the step is long and gains nothing, a shorter
     /// one predicts as well: it may leave `over` a share of the sum of squares.
-    pub fn without(&self, search: &Search, out: Range<usize>, over: f64) -> Option<Step> {
+    pub fn without(&self, search: &Search, out: Range<usize>, over: f64) -> Option<DVector<f64>> {
         let count = out.len();
         let (slopes, residual) =
             (self.slopes.rows(out.start, count), self.residual.rows(out.start, count));
@@ -108,7 +102,7 @@ impl Whole {
             return None;
         }
         change.iter_mut().zip(&self.scale).for_each(|(change, scale)| *change /= scale);
-        Some(Step { change })
+        Some(change)
     }
 
     /// The step of the free parameters, in units of the scale, with the nonlinear ones held back.
@@ -155,10 +149,10 @@ impl Whole {
             .collect()
     }
 
-    /// What the model without them leaves of the force on the rows in `range`.
-    pub fn rest(&self, step: &Step, range: Range<usize>) -> DVector<f64> {
+    /// What the model leaves of the force on the rows in `range` after a change of its parameters.
+    pub fn rest(&self, change: &DVector<f64>, range: Range<usize>) -> DVector<f64> {
         let slopes = self.slopes.rows(range.start, range.len());
-        self.residual.rows(range.start, range.len()) + slopes * &step.change
+        self.residual.rows(range.start, range.len()) + slopes * change
     }
 
     /// Whether no nonlinear parameter moves further than the model is straight, or out of its limits;
@@ -188,5 +182,42 @@ fn scaled(normal: &mut DMatrix<f64>, gradient: &mut DVector<f64>, scale: &[f64])
             normal[(i, j)] /= scale[i] * scale[j];
         }
         gradient[i] /= scale[i];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shape::PositionScale;
+    use super::super::tests::stribeck_axis;
+    use super::*;
+
+    /// What a search without an eighth of the rows finds and predicts, block by block.
+    #[test]
+    fn a_straight_step_arrives_where_a_search_does() {
+        let recording = stribeck_axis();
+        let scale = PositionScale::of(&recording);
+        let structure = "asymmetric+stribeck+delay".parse().unwrap();
+        let mut search = Search::new(&recording, structure, scale).unwrap();
+        let best = search.whole().unwrap();
+        let whole = Whole::of(&mut search, &best).unwrap();
+        let rows = search.regressors.count();
+        let mut stepped = 0;
+        for block in 0..8 {
+            let out = block * rows / 8..(block + 1) * rows / 8;
+            let Some(change) = whole.without(&search, out.clone(), 0.0) else { continue };
+            stepped += 1;
+            search.rows = Some((0..rows).filter(|row| !out.contains(row)).collect());
+            let found = search.from(best.shape, &[]).unwrap();
+            search.rows = None;
+            let matrix = search.regressors.matrix(&found.shape).unwrap();
+            let predicted = matrix.rows(out.start, out.len()) * &found.solution.x;
+            let there = (search.regressors.force.rows(out.start, out.len()) - predicted).norm();
+            let here = whole.rest(&change, out.clone()).norm();
+            assert!((here / there - 1.0).abs() < 1e-3, "block {block}: {here} {there}");
+            // And it is another fit than that to all rows.
+            let moved = found.solution.x[0] - best.solution.x[0];
+            assert!((change[0] - moved).abs() < 0.05 * moved.abs().max(1e-3), "{change} {moved}");
+        }
+        assert!(stepped >= 6, "{stepped} blocks by a step");
     }
 }

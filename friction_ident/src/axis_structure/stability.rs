@@ -50,7 +50,7 @@ pub(super) fn judge(search: &mut Search, best: &Best, whole: &Whole, estimates: 
         // What is left may not show a term at all: then nothing is learnt from this part.
         let Some(left) = variances(&slopes.select_rows(&kept)) else { continue };
         let values: Vec<f64> = match whole.without(search, out, 0.0) {
-            Some(step) => all.iter().zip(step.change.iter()).map(|(all, by)| all + by).collect(),
+            Some(change) => all.iter().zip(change.iter()).map(|(all, by)| all + by).collect(),
             None => {
                 search.rows = Some(kept);
                 let Ok(found) = search.from(best.shape, &[]) else { continue };

@@ -45,6 +45,11 @@ fn stribeck(v: f64) -> f64 {
     if v > 0.0 { 6.0 + 2.0 * near + 9.0 * v } else { -(7.0 + 3.0 * near) + 12.0 * v }
 }
 
+/// The axis with all that it has, in a little noise.
+pub(super) fn stribeck_axis() -> Conditioned {
+    axis(stribeck, DELAY, 0.2)
+}
+
 fn coulomb(v: f64) -> f64 {
     5.0 * v.signum() + 8.0 * v
 }
@@ -298,4 +303,43 @@ fn a_wave_of_one_half_alone_is_told() {
     assert!(low < high, "{low} {high}");
     let without = fit_structure(&recording, structure("symmetric"), &AxisUnits::LINEAR).unwrap();
     assert_eq!(without.other_waves(), None);
+}
+
+/// A bristle that damps itself, as LuGre's does: without the part the bristle is too stiff or too
+/// soft, with it all are found.
+#[test]
+fn the_damping_of_a_bristle_is_found() {
+    const REACH: f64 = 2e-3;
+    const SIGMA1: f64 = 120.0;
+    let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(3);
+    let dt = 1e-3;
+    let (mut place, mut force, mut z) = (vec![], vec![], 0.0f64);
+    for k in 0..20_000 {
+        let t = f64::from(k) * dt;
+        let v = velocity(t + 0.5 * dt);
+        let limit = REACH * v.signum();
+        let after = limit + (z - limit) * (-v.abs() * dt / REACH).exp();
+        let (rate, middle) = ((after - z) / dt, 0.5 * (after + z));
+        z = after;
+        place.push(position(t + 0.5 * dt));
+        force.push(
+            INERTIA * acceleration(t + 0.5 * dt)
+                + 5.0 * middle / REACH
+                + SIGMA1 * rate
+                + 8.0 * v
+                + 0.05 * rng.sample::<f64, _>(StandardNormal),
+        );
+    }
+    let signals = Signals { time_step: dt, position: Some(&place), velocity: None, force: &force };
+    let recording = condition(&signals, &Conditioning::for_time_step(dt)).unwrap();
+    let of = |name| fit_structure(&recording, structure(name), &AxisUnits::LINEAR).unwrap();
+    let (with, without) = (of("symmetric+damping"), of("symmetric+presliding"));
+    assert!(with.relative_error < 0.7 * without.relative_error, "{with:?} {without:?}");
+    let near = |name: &'static str, truth: f64, share: f64| {
+        let found = with.estimates.get(name).unwrap().value;
+        assert!((found / truth - 1.0).abs() < share, "{name}: {found}");
+    };
+    near("sigma1", SIGMA1, 0.1);
+    near("presliding", REACH, 0.05);
+    near("f_c", 5.0, 0.02);
 }

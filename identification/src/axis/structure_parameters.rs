@@ -112,13 +112,16 @@ fn notes(fit: &StructureFit) -> Vec<String> {
         if value(f_c).is_some_and(|value| value <= 0.0) {
             notes.push(format!("{f_c} is not above zero: only viscous friction is written."));
         }
-        if value(f_v).is_some_and(|value| value < 0.0) {
-            notes.push(format!(
-                "{f_v} came out below zero, which friction cannot be: 0 is written."
-            ));
-        }
+        notes.extend(below_zero(fit, f_v));
     }
+    notes.extend(below_zero(fit, "sigma1".into()));
     notes
+}
+
+/// What is said of a part of friction that came out as a drive.
+fn below_zero(fit: &StructureFit, id: ParameterId) -> Option<String> {
+    let below = fit.estimates.value(id).is_some_and(|value| value < 0.0);
+    below.then(|| format!("{id} came out below zero, which friction cannot be: 0 is written."))
 }
 
 /// Where a value comes from; `path` is its place in the file.
@@ -132,6 +135,7 @@ fn origin(fit: &StructureFit, path: &str) -> String {
     match (name, found) {
         (_, Some(estimate)) => said(estimate),
         ("f_s" | "v_s", None) => "no Stribeck dip in this structure: without effect".to_owned(),
+        ("sigma1", None) => "no damping of the bristle in this structure".to_owned(),
         ("sigma0", None) => "the Coulomb level over the displacement of pre-sliding".to_owned(),
         _ => "not identified".to_owned(),
     }
