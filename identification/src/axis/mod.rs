@@ -174,9 +174,12 @@ pub fn identify(
     for model in [Some(&symmetric), asymmetric.as_ref()].into_iter().flatten() {
         let name = if model.fit.model.asymmetric { "asymmetric" } else { "symmetric" };
         let whole = adequacy::doubts(&model.estimation, &estimation).into_iter();
-        warnings.extend(
-            whole.map(|doubt| format!("The {name} model {doubt}. --structure auto offers more.")),
-        );
+        let more = if settings.structured {
+            "The structure chosen below has more"
+        } else {
+            "--structure auto offers more"
+        };
+        warnings.extend(whole.map(|doubt| format!("The {name} model {doubt}. {more}.")));
         notes.extend(doubts(&model.fit));
     }
     Ok(Identification { settings: *settings, load: loads, symmetric, asymmetric, warnings, notes })

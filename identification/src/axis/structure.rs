@@ -41,8 +41,14 @@ impl StructureChoice {
 
 /// A text that chooses no structures.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{0}; or `auto`")]
-pub struct ChoiceError(#[from] UnknownStructure);
+pub enum ChoiceError {
+    /// One of the names is none.
+    #[error("{0}; or `auto`")]
+    Unknown(#[from] UnknownStructure),
+    /// `auto` beside names.
+    #[error("`auto` tries all structures and stands alone: leave the names out, or `auto`")]
+    AutoBesideNames,
+}
 
 impl std::str::FromStr for StructureChoice {
     type Err = ChoiceError;
@@ -50,6 +56,9 @@ impl std::str::FromStr for StructureChoice {
     fn from_str(text: &str) -> Result<Self, ChoiceError> {
         if text.trim() == "auto" {
             return Ok(Self::Auto);
+        }
+        if text.split(',').any(|name| name.trim() == "auto") {
+            return Err(ChoiceError::AutoBesideNames);
         }
         let names = text.split(',').map(|name| name.trim().parse::<AxisStructure>());
         Ok(Self::Named(names.collect::<Result<_, _>>()?))
@@ -192,6 +201,8 @@ mod tests {
     #[test]
     fn the_option_names_its_mistake() {
         assert_eq!("auto".parse(), Ok(StructureChoice::Auto));
+        let both = "auto,symmetric".parse::<StructureChoice>().unwrap_err().to_string();
+        assert!(both.contains("stands alone"), "{both}");
         let named = "symmetric, asymmetric+delay".parse::<StructureChoice>().unwrap();
         assert!(matches!(named, StructureChoice::Named(list) if list.len() == 2));
         let message = "symmetric,stribeck".parse::<StructureChoice>().unwrap_err().to_string();
