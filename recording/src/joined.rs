@@ -18,6 +18,9 @@ pub fn joined(recordings: Vec<Recording>) -> Result<Option<Recording>, Recording
     let Some(mut all) = rest.next() else { return Ok(None) };
     let first = all.path.clone();
     let mut paths = vec![all.path.display().to_string()];
+    for stretch in &mut all.stretches {
+        stretch.file.get_or_insert_with(|| (first.clone(), 0.0));
+    }
     for next in rest {
         let refused = |why: String| RecordingError::NotJoined {
             first: first.clone(),
@@ -53,6 +56,7 @@ pub fn joined(recordings: Vec<Recording>) -> Result<Option<Recording>, Recording
         }
         all.force.extend(next.force);
         all.stretches.extend(next.stretches.into_iter().map(|mut stretch| {
+            stretch.file = Some((next.path.clone(), start));
             stretch.start += start;
             stretch.samples = stretch.samples.start + samples..stretch.samples.end + samples;
             stretch
@@ -102,6 +106,8 @@ mod tests {
         assert_eq!(both.path, PathBuf::from("a, b"));
         assert_eq!(both.stretches[1].samples, 100..150);
         assert!((both.stretches[1].start - 1.0).abs() < 1e-12, "{:?}", both.stretches);
+        let files: Vec<_> = both.stretches.iter().map(|one| one.file.clone().unwrap()).collect();
+        assert_eq!(files, [("a".into(), 0.0), ("b".into(), 1.0)]);
         assert!((both.duration() - 1.49).abs() < 1e-9);
         assert_eq!(both.irregularities.filled, 2);
         assert_eq!(joined(Vec::new()).unwrap(), None);

@@ -155,13 +155,16 @@ pub struct RecordedStretch {
     pub start: f64,
     /// Its samples among all of the recording.
     pub samples: Range<usize>,
+    /// The file it comes from, with the time of that one's first sample \[s\], where several were
+    /// joined.
+    pub file: Option<(PathBuf, f64)>,
 }
 
 impl RecordedStretch {
     /// A recording that is all one stretch.
     #[must_use]
     pub fn whole(samples: usize) -> Vec<Self> {
-        vec![Self { start: 0.0, samples: 0..samples }]
+        vec![Self { start: 0.0, samples: 0..samples, file: None }]
     }
 
     /// The stretches of `timing`, each without its last `less` samples.
@@ -171,7 +174,7 @@ impl RecordedStretch {
         let one = |stretch: &timing::EvenStretch| {
             let samples = end..end + stretch.len().saturating_sub(less);
             end = samples.end;
-            Self { start: stretch.start - origin, samples }
+            Self { start: stretch.start - origin, samples, file: None }
         };
         timing.stretches.iter().map(one).collect()
     }

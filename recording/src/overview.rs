@@ -75,6 +75,8 @@ pub struct Seen {
     pub name: String,
     /// The unit in its name; none where it is taken to be in SI units.
     pub unit: Option<String>,
+    /// It is a time that is written as dates or times of day.
+    pub dated: bool,
     /// Factor to SI units.
     pub scale: f64,
     /// Least value, in SI units.
@@ -229,13 +231,9 @@ fn table<'a>(
                 Err(error) => problems.push(error.to_string()),
             }
         }
-        channels.push(seen(
-            channel,
-            column.source.name,
-            column.written,
-            column.source.scale,
-            values,
-        ));
+        let Found { source, written, .. } = column;
+        let dated = channel == Channel::Time && sheet.has_dates();
+        channels.push(Seen { dated, ..seen(channel, source.name, written, source.scale, values) });
     }
     Ok(Overview {
         path: path.into(),
@@ -328,7 +326,7 @@ fn seen(
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
     let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let step = (channel == Channel::Position).then(|| step_of(&values)).flatten();
-    Seen { channel, name, unit, scale, least, greatest, step, values }
+    Seen { channel, name, unit, dated: false, scale, least, greatest, step, values }
 }
 
 fn times_of(time: &[f64]) -> Times {
@@ -392,5 +390,16 @@ mod tests {
             text += &format!("{},{k},1\n", f64::from(k / 2) * 0.022 + f64::from(k % 2) * 0.01);
         }
         assert_eq!(looked(&text).times.unwrap().resample_to, Some(90.0));
+    }
+
+    #[test]
+    fn a_time_written_as_dates_has_no_unit_that_was_guessed() {
+        let row = |k: u32| format!("2026-02-03,12:00:00.{:03},{k},1\n", 10 * k);
+        let text = format!("date,time,q,tau\n{}", (0..50).map(row).collect::<String>());
+        let found = looked(&text);
+        let time = found.channel(Channel::Time).unwrap();
+        assert!(time.dated && time.name == "date and time", "{time:?}");
+        assert!((found.times.as_ref().unwrap().rate - 100.0).abs() < 1e-6);
+        assert!(!found.channel(Channel::Position).unwrap().dated);
     }
 }

@@ -3,16 +3,20 @@
 
 use std::{
     fs::{self, File},
-    io::{self, Cursor, Read, Seek},
+    io::{self, Cursor, Read},
     path::{Path, PathBuf},
     sync::Arc,
 };
 
 use super::BagError;
+use super::read_at::ReadAt;
 use super::sqlite::{ZSTD, unpack};
 
 /// Largest file that is unpacked \[bytes\].
 const LARGEST: u64 = files::input::LARGEST_TABLE;
+
+/// Ends of the name of a packed file.
+const PACKED: [&str; 2] = [".zstd", ".zst"];
 
 /// An MCAP file.
 #[derive(Debug, Clone)]
@@ -22,10 +26,6 @@ pub(super) struct McapFile {
     /// What was in it, where it was compressed.
     unpacked: Option<Arc<[u8]>>,
 }
-
-/// What can be read at any place.
-pub(super) trait ReadAt: Read + Seek {}
-impl<T: Read + Seek> ReadAt for T {}
 
 impl McapFile {
     /// Looks at its first bytes, and unpacks what is compressed.
@@ -75,16 +75,44 @@ pub(super) fn files_of(path: &Path) -> Result<Vec<PathBuf>, BagError> {
     for entry in fs::read_dir(path).map_err(read_error(path))? {
         let file = entry.map_err(read_error(path))?.path();
         let name = file.to_string_lossy();
-        if name.ends_with(".mcap") || name.ends_with(".mcap.zstd") {
+        if name.ends_with(".mcap") || bare(&file).is_some() {
             files.push(file);
         }
     }
-    let packed_of = |file: &PathBuf| PathBuf::from(format!("{}.zstd", file.display()));
-    let unpacked: Vec<PathBuf> = files.iter().map(packed_of).collect();
-    files.retain(|file| !unpacked.contains(file));
+    let known = files.clone();
+    files.retain(|file| bare(file).is_none_or(|bare| !known.contains(&bare)));
     // `bag_10.mcap` comes behind `bag_9.mcap`.
     files.sort_by_key(|file| (file.as_os_str().len(), file.clone()));
     if files.is_empty() { Err(BagError::NoMcap { path: path.into() }) } else { Ok(files) }
+}
+
+/// What a packed MCAP file is called once it is unpacked; none for what is not packed by its name.
+pub(super) fn bare(file: &Path) -> Option<PathBuf> {
+    let name = file.file_name()?.to_string_lossy();
+    let bare = PACKED.iter().find_map(|ending| name.strip_suffix(ending))?;
+    bare.ends_with(".mcap").then(|| file.with_file_name(bare))
+}
+
+/// Unpacks as much of a file as there is into another one.
+pub(super) fn unpack_into(packed: &Path, to: &Path) -> Result<(), BagError> {
+    let file = File::open(packed).map_err(read_error(packed))?;
+    let mut bytes =
+        zstd::stream::read::Decoder::new(file).map_err(read_error(packed))?.take(LARGEST);
+    let write_error = |source| BagError::Write { path: to.into(), source };
+    let mut out = File::create(to).map_err(write_error)?;
+    let mut buffer = vec![0; 1 << 16];
+    let mut nothing = true;
+    // What cannot be unpacked ends it: what comes behind is lost.
+    while let Ok(count @ 1..) = bytes.read(&mut buffer) {
+        io::Write::write_all(&mut out, buffer.get(..count).unwrap_or_default())
+            .map_err(write_error)?;
+        nothing = false;
+    }
+    if nothing {
+        let detail = "nothing of it can be unpacked".to_owned();
+        return Err(BagError::Damaged { path: packed.into(), detail });
+    }
+    Ok(())
 }
 
 pub(super) fn read_error(path: &Path) -> impl FnOnce(io::Error) -> BagError {

@@ -30,6 +30,7 @@ mod mcap_file;
 mod metadata;
 mod options;
 mod output;
+mod read_at;
 mod reader;
 mod recover;
 #[cfg(test)]
@@ -49,7 +50,7 @@ mod writer;
 pub use error::BagError;
 
 /// How the files of a bag end.
-pub(crate) const ENDINGS: [&str; 4] = [".mcap", ".mcap.zstd", ".db3", ".db3.zstd"];
+pub(crate) const ENDINGS: [&str; 5] = [".mcap", ".mcap.zstd", ".mcap.zst", ".db3", ".db3.zstd"];
 
 pub use options::{BagOptions, BagSummary, Compression};
 pub use reader::BagReader;

@@ -2,7 +2,7 @@
 
 use std::{
     collections::BTreeMap,
-    fs::{self, File},
+    fs,
     io::{self, BufReader, Read, Seek, SeekFrom, Take},
     path::{Path, PathBuf},
 };
@@ -18,7 +18,8 @@ use msgs::{RosMessage, cdr};
 use super::{
     BagError,
     guard::guarded,
-    mcap_file::{McapFile, ReadAt, files_of, read_error},
+    mcap_file::{McapFile, files_of, read_error},
+    read_at::ReadAt,
     salvage::{Found, LARGEST_RECORD, Losses, Salvage},
     schema::{Judgement, judge},
     sqlite::{self, Database},
@@ -257,7 +258,7 @@ pub(super) fn is_whole(path: &Path) -> bool {
         let mut sound = count == stats.message_count;
         // Checksums may be right and what they vouch for may not be; and those of the sections may
         // be missing.
-        let salvage = File::open(path).and_then(Salvage::new).map_err(read_error(path))?;
+        let salvage = Salvage::new(file.read()?);
         let take = |found: Found<'_>| -> Result<(), io::Error> {
             if let Found::Message { channel, schema: Some((header, text)), .. } = found {
                 sound &= definition(channel, header, text) == Judgement::Sound;

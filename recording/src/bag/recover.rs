@@ -8,8 +8,7 @@ use std::path::{Path, PathBuf};
 use mcap::records::Channel;
 
 use super::guard::guarded;
-use super::mcap_file::check_magic;
-use super::mcap_file::files_of;
+use super::mcap_file::{McapFile, bare, check_magic, files_of, unpack_into};
 use super::metadata::{TopicEntry, entry_of};
 use super::output::{Close, Description, Output};
 use super::reader::{definition, is_whole};
@@ -22,6 +21,9 @@ use files::durable::{Disk, System};
 const ORIGINAL: &str = "damaged";
 /// Behind the name of a file that is being made.
 const DRAFT: &str = "recovering";
+
+/// Behind the name of what a packed file holds, until it is rewritten.
+const UNPACKED: &str = "unpacking";
 
 /// What became of a bag.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,8 +73,9 @@ pub fn cut_bags(runs: &Path) -> Vec<PathBuf> {
 }
 
 /// Makes the bag in a folder whole: its MCAP file gets its index and loses what is damaged, and
-/// `metadata.yaml` is written. The original stays beside it with `.damaged` behind its name. A bag
-/// that is whole stays as it is.
+/// `metadata.yaml` is written. The original stays beside it with `.damaged` behind its name. One
+/// that is packed as a whole, and was cut, is unpacked as far as it goes. A bag that is whole stays
+/// as it is.
 ///
 /// # Errors
 /// [`BagError`] that names the file: no bag, a bag that is being written, a file of another kind, a
@@ -85,19 +88,38 @@ pub fn recover(dir: &Path) -> Result<Recovery, BagError> {
     if is_being_written(file) {
         return Err(BagError::InUse { path: file.clone() });
     }
-    check_magic(file)?;
     let folder = file.parent().unwrap_or(dir).to_owned();
     let described = dir.is_file() || folder.join("metadata.yaml").exists();
     if described && is_whole(file) {
         return Ok(Recovery::Whole);
     }
+    let Some(target) = bare(file) else { return replaced(file, file, file, &folder) };
+    if target.exists() {
+        let source = io::Error::new(io::ErrorKind::AlreadyExists, "it is there already");
+        return Err(BagError::Write { path: target, source });
+    }
+    let unpacked = beside(&target, UNPACKED, false);
+    let done =
+        unpack_into(file, &unpacked).and_then(|()| replaced(file, &unpacked, &target, &folder));
+    let _ = fs::remove_file(&unpacked);
+    done
+}
+
+/// Puts what is whole of `source` into `target`, and keeps `file` under another name.
+fn replaced(
+    file: &Path,
+    source: &Path,
+    target: &Path,
+    folder: &Path,
+) -> Result<Recovery, BagError> {
+    check_magic(source)?;
     let write_error = |path: &Path| {
         let path = path.to_owned();
         move |source: io::Error| BagError::Write { path, source }
     };
-    let draft = beside(file, DRAFT, false);
+    let draft = beside(target, DRAFT, false);
     let Rewritten { bag, description, losses, definitions } =
-        match guarded(file, || rewrite(file, &draft, &folder)) {
+        match guarded(file, || rewrite(source, target, &draft, folder)) {
             Ok(done) => done,
             Err(error) => {
                 // A draft that was never made is no second error.
@@ -108,13 +130,16 @@ pub fn recover(dir: &Path) -> Result<Recovery, BagError> {
     let original = beside(file, ORIGINAL, true);
     // A second name for the damaged file where that can be had: so there is a file of the bag's
     // name at any moment.
-    fs::hard_link(file, &original)
-        .or_else(|_| fs::rename(file, &original))
-        .map_err(write_error(&original))?;
+    let linked = if file == target {
+        fs::hard_link(file, &original)
+    } else {
+        Err(io::ErrorKind::Unsupported.into())
+    };
+    linked.or_else(|_| fs::rename(file, &original)).map_err(write_error(&original))?;
     System
-        .rename(&draft, file)
-        .and_then(|()| System.sync_folder(&folder))
-        .map_err(write_error(file))?;
+        .rename(&draft, target)
+        .and_then(|()| System.sync_folder(folder))
+        .map_err(write_error(target))?;
     // Last: a bag that is described is taken for whole.
     description.write()?;
     Ok(Recovery::Recovered {
@@ -150,11 +175,10 @@ pub(super) fn is_being_written(file: &Path) -> bool {
 }
 
 /// Copies everything whole into the draft.
-fn rewrite(file: &Path, draft: &Path, folder: &Path) -> Result<Rewritten, BagError> {
+fn rewrite(file: &Path, target: &Path, draft: &Path, folder: &Path) -> Result<Rewritten, BagError> {
     let name =
-        file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    let read_error = |source| BagError::Read { path: file.into(), source };
-    let salvage = File::open(file).and_then(Salvage::new).map_err(read_error)?;
+        target.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let salvage = Salvage::new(McapFile::open(file)?.read()?);
     if draft.exists() {
         fs::remove_file(draft).map_err(|source| BagError::Write { path: draft.into(), source })?;
     }
@@ -214,7 +238,7 @@ fn rewrite(file: &Path, draft: &Path, folder: &Path) -> Result<Rewritten, BagErr
             Stop::Read(source) => BagError::Read { path: file.into(), source },
             Stop::Bag(error) => error,
         })?;
-    let close = Close { dir: folder, file, file_name: &name, entries };
+    let close = Close { dir: folder, file: target, file_name: &name, entries };
     let (bag, description) = output.finish(close)?;
     Ok(Rewritten { bag, description, losses, definitions })
 }

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
+use std::io::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -299,5 +300,44 @@ fn a_damaged_definition_is_told_and_mended_by_its_hash() {
             BagReader::open(&dir).unwrap().messages::<MotorVoltage>("/motor_voltage").unwrap();
         assert!(!read.is_empty());
         assert_eq!(recover(&dir).unwrap(), Recovery::Whole);
+    }
+}
+
+#[test]
+fn a_cut_bag_that_was_packed_gives_what_can_be_unpacked() {
+    for ending in ["mcap.zstd", "mcap.zst"] {
+        let folder = folder();
+        let dir = folder.path().join("bag");
+        let file = write(&dir, Compression::None);
+        let packed = file.with_extension(ending);
+        // In blocks, as of a longer file.
+        let mut encoder = zstd::stream::Encoder::new(Vec::new(), 3).unwrap();
+        for block in fs::read(&file).unwrap().chunks(1000) {
+            encoder.write_all(block).unwrap();
+            encoder.flush().unwrap();
+        }
+        let bytes = encoder.finish().unwrap();
+        fs::remove_file(&file).unwrap();
+        fs::write(&packed, &bytes).unwrap();
+        assert_eq!(recover(&packed).unwrap(), Recovery::Whole, "{ending}");
+        let cut = &bytes[..bytes.len() * 2 / 3];
+        fs::write(&packed, cut).unwrap();
+        let Recovery::Recovered { original, bag, .. } = recover(&dir).unwrap() else {
+            panic!("{ending}: it was cut")
+        };
+        assert_eq!((fs::read(original).unwrap(), bag.file), (cut.to_vec(), file.clone()));
+        let found = BagReader::open(&dir).unwrap();
+        assert!(!found.messages::<MotorVoltage>("/motor_voltage").unwrap().is_empty());
+        assert_eq!(recover(&dir).unwrap(), Recovery::Whole, "once is enough");
+        let left: Vec<_> = fs::read_dir(&dir).unwrap().map(|e| e.unwrap().file_name()).collect();
+        assert_eq!(left.len(), 3, "{left:?}");
+        // The file that is there is not written over.
+        fs::write(&packed, cut).unwrap();
+        assert!(matches!(recover(&packed), Err(BagError::Write { .. })));
+        assert_eq!(fs::read(&packed).unwrap(), cut);
+        fs::remove_file(&file).unwrap();
+        fs::write(&packed, &cut[..20]).unwrap();
+        let said = recover(&packed).unwrap_err().to_string();
+        assert!(said.contains("nothing of it can be unpacked"), "{said}");
     }
 }

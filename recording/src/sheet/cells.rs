@@ -4,7 +4,7 @@ use csv::StringRecord;
 
 use super::refusals::damaged;
 use super::separator::{Separator, number};
-use super::{Body, Cells, Found, Missing, Sheet};
+use super::{Body, Cells, Found, Missing, Part, Rest, Sheet};
 use crate::RecordingError;
 
 impl Sheet<'_> {
@@ -129,10 +129,12 @@ impl Sheet<'_> {
         };
         let written = at(found.index).unwrap_or(f64::NAN);
         let value = match found.rest {
-            Some(rest) => {
-                let left = at(rest.index).unwrap_or(f64::NAN);
-                self.values.joined(written, left, rest).unwrap_or(f64::NAN)
+            Some(Rest { index, part: Part::Ticks(tick) }) => {
+                let left = at(index).unwrap_or(f64::NAN);
+                self.values.joined(written, left, tick).unwrap_or(f64::NAN)
             }
+            // A grid of numbers has no times of day.
+            Some(Rest { part: Part::Date, .. }) => f64::NAN,
             None => written * found.source.scale,
         };
         match value {

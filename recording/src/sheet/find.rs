@@ -24,7 +24,7 @@ impl Sheet<'_> {
     ) -> Result<Option<Found>, RecordingError> {
         match named {
             Some(column) => self.find(channel, &column.name, column.scale).map(Some),
-            None => match self.recognised(channel)?.or_else(|| self.whole_seconds(channel)) {
+            None => match self.recognised(channel)?.or_else(|| self.first_part(channel)) {
                 Some(index) => self.found(channel, index, None).map(Some),
                 None => Ok(None),
             },
@@ -35,7 +35,7 @@ impl Sheet<'_> {
     pub(in super::super) fn has(&self, channel: Channel, named: Option<&Column>) -> bool {
         named.is_some()
             || !matches!(self.recognised(channel), Ok(None))
-            || self.whole_seconds(channel).is_some()
+            || self.first_part(channel).is_some()
     }
 
     /// The joints that columns stand for, in their order.
@@ -154,7 +154,7 @@ impl Sheet<'_> {
         index: usize,
         scale: Option<f64>,
     ) -> Result<Found, RecordingError> {
-        if let (Channel::Time, None, Some(rest)) = (channel, scale, self.rest_of(index)) {
+        if let (Channel::Time, None, Some(rest)) = (channel, scale, self.other_part(index)) {
             return Ok(self.in_two_columns(index, rest));
         }
         let (called, stem) = (self.names[index].clone(), &self.columns[index].stem);

@@ -56,16 +56,24 @@ pub(super) struct Found {
     pub scaled: bool,
     /// It holds the time, which may be written as a date and a time of day.
     pub clock: bool,
-    /// The column with what is left of a time of which this one has the whole seconds.
+    /// The column with the other part of a time that stands in two.
     pub rest: Option<Rest>,
 }
 
-/// A column with what is left of whole seconds.
+/// A column with the other part of a time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Rest {
     pub index: usize,
-    /// What it counts \[ns\].
-    pub tick: i64,
+    pub part: Part,
+}
+
+/// Which part of a time it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Part {
+    /// What is left of whole seconds, in ticks of so long \[ns\].
+    Ticks(i64),
+    /// The date of a time of day.
+    Date,
 }
 
 /// What becomes of a row that has no value for a column that is read.

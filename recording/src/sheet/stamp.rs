@@ -52,6 +52,12 @@ pub(super) fn read(cell: &str) -> Option<Stamp> {
     Some(Stamp { nanoseconds, unsure })
 }
 
+/// The moment of a date and a time of day that stand in two cells.
+pub(super) fn read_dated(date: &str, time: &str) -> Option<Stamp> {
+    let has_date = date.contains(|c: char| c.is_ascii_digit());
+    if has_date { read(&format!("{} {}", date.trim(), time.trim())) } else { None }
+}
+
 fn time_of_day(text: &str) -> Option<NaiveTime> {
     TIMES.iter().find_map(|form| NaiveTime::parse_from_str(text, form).ok())
 }

@@ -285,3 +285,33 @@ fn dates_that_begin_with_the_day_are_read_and_unsure_ones_refused_past_midnight(
     let said = past('/').unwrap_err().to_string();
     assert!(said.contains("line 27") && said.contains("told apart"), "{said}");
 }
+
+#[test]
+fn a_date_and_a_time_of_day_in_two_columns_are_one_time() {
+    let text = |names: &str, date: &dyn Fn(u32) -> String| {
+        let clock = |k: u32| match k {
+            0..25 => format!("23:59:59.{:03}", 950 + 2 * k),
+            _ => format!("00:00:00.{:03}", 2 * (k - 25)),
+        };
+        let rows = (0..50).map(|k| format!("{};{};{k};1\n", date(k), clock(k)));
+        format!("{names};q;tau\n{}", rows.collect::<String>())
+    };
+    let day = |k: u32| if k < 25 { 3 } else { 4 };
+    for (names, form) in [
+        ("Date;Time", "2026-02-0D"),
+        ("date;time_of_day", "2026/02/0D"),
+        ("log.date;log.time", "0D.02.2026"),
+    ] {
+        let text = text(names, &|k| form.replace('D', &day(k).to_string()));
+        let found = read(text.as_bytes()).unwrap();
+        assert!((found.time_step - 2e-3).abs() < 1e-9, "{names}: {}", found.time_step);
+        assert_eq!(found.force.len(), 50);
+    }
+    // Which is the day and which the month is not known, and it is past midnight.
+    let unsure = text("date;time", &|k| format!("0{}/02/2026", day(k)));
+    let said = read(unsure.as_bytes()).unwrap_err().to_string();
+    assert!(said.contains("line 27") && said.contains("told apart"), "{said}");
+    // Beside seconds a date says nothing.
+    let seconds = "date,time,q,tau\n2026-02-03,0.1,1,1\n2026-02-03,0.2,1,2\n2026-02-03,0.3,1,3\n";
+    assert!((read(seconds.as_bytes()).unwrap().time_step - 0.1).abs() < 1e-9);
+}

@@ -2,7 +2,9 @@
 
 use friction_ident::statistics::upper_median;
 
-use super::{Found, Rest, Sheet};
+use super::separator::number;
+use super::stamp;
+use super::{Body, Found, Part, Rest, Sheet};
 use crate::column::Channel;
 use crate::units;
 use crate::{ChannelSource, Column, RecordingError};
@@ -21,32 +23,65 @@ const IN_TWO: [(&str, &str, i64); 7] = [
     ("sec", "microsec", 1000),
 ];
 
+/// Ends of the names of two columns that are one time: a date and a time of day.
+const DATED: [(&str, &str); 4] =
+    [("time", "date"), ("time_of_day", "date"), ("timeofday", "date"), ("clock", "date")];
+
 impl Sheet<'_> {
-    /// The column with the whole seconds of a time that stands in two columns.
-    pub(super) fn whole_seconds(&self, channel: Channel) -> Option<usize> {
+    /// The column with the first part of a time that stands in two: the whole seconds, or the time
+    /// of a day.
+    pub(super) fn first_part(&self, channel: Channel) -> Option<usize> {
         let wanted = channel == Channel::Time && !self.dialect.headerless;
-        (0..self.columns.len()).find(|index| wanted && self.rest_of(*index).is_some())
+        (0..self.columns.len()).find(|index| wanted && self.other_part(*index).is_some())
+    }
+
+    /// The column with the other part of the time in this one.
+    pub(super) fn other_part(&self, index: usize) -> Option<Rest> {
+        self.rest_of(index).or_else(|| self.date_of(index))
     }
 
     /// The column with what is left of the whole seconds in this one.
-    pub(super) fn rest_of(&self, index: usize) -> Option<Rest> {
+    fn rest_of(&self, index: usize) -> Option<Rest> {
         let name = ended(&self.columns.get(index)?.raw);
         IN_TWO.iter().find_map(|(whole, rest, tick)| {
             let before = name.strip_suffix(whole).filter(|b| b.is_empty() || b.ends_with('_'))?;
             let other = format!("{before}{rest}");
             let index = self.columns.iter().position(|column| ended(&column.raw) == other)?;
-            Some(Rest { index, tick: *tick })
+            Some(Rest { index, part: Part::Ticks(*tick) })
         })
     }
 
+    /// The column with the date of the time of day in this one, where the first row has both.
+    fn date_of(&self, index: usize) -> Option<Rest> {
+        let Body::Text { first: Some(first), .. } = &self.body else { return None };
+        let name = ended(&self.columns.get(index)?.raw);
+        let date = DATED.iter().find_map(|(time, date)| {
+            let before = name.strip_suffix(time).filter(|b| b.is_empty() || b.ends_with('_'))?;
+            let other = format!("{before}{date}");
+            self.columns.iter().position(|column| ended(&column.raw) == other)
+        })?;
+        let (day, clock) = (first.get(date)?, first.get(index)?);
+        let is_number = number(clock, self.dialect.decimal_comma).is_some();
+        let both = stamp::read_dated(day, clock).is_some();
+        (both && !is_number).then_some(Rest { index: date, part: Part::Date })
+    }
+
     pub(super) fn in_two_columns(&self, index: usize, rest: Rest) -> Found {
-        let name = format!("{} and {}", self.names[index], self.names[rest.index]);
+        let (first, second) = match rest.part {
+            Part::Ticks(_) => (index, rest.index),
+            Part::Date => (rest.index, index),
+        };
+        let name = format!("{} and {}", self.names[first], self.names[second]);
+        let written = match rest.part {
+            Part::Ticks(_) => Some("s".to_owned()),
+            Part::Date => None,
+        };
         Found {
             index,
             source: ChannelSource { name, scale: 1.0 },
             axis: None,
             assumed: false,
-            written: Some("s".to_owned()),
+            written,
             scaled: false,
             clock: true,
             rest: Some(rest),
@@ -74,6 +109,11 @@ impl Sheet<'_> {
     pub(in super::super) fn periods(&self, rows: &[u64]) -> Vec<f64> {
         let period = self.layout.period.unwrap_or(f64::NAN);
         rows.iter().map(|row| *row as f64 * period).collect()
+    }
+
+    /// Whether the times that were read are dates or times of day.
+    pub(in super::super) fn has_dates(&self) -> bool {
+        self.values.are_dates()
     }
 
     /// Refuses times that are no seconds, where nothing says their unit: milliseconds, nanoseconds

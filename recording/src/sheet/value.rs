@@ -6,7 +6,7 @@ use csv::StringRecord;
 
 use super::separator::number;
 use super::stamp::{self, Stamp};
-use super::{Found, Rest};
+use super::{Found, Part};
 
 /// Reads cells. A column of times is written one way from its beginning to its end, and counts from
 /// its first date and time of day.
@@ -42,12 +42,22 @@ impl Values {
         matches!(self.clock.get(), Clock::Stamps(_) | Clock::InTwo(_))
     }
 
+    /// Whether the times that were read are dates or times of day.
+    pub(super) fn are_dates(&self) -> bool {
+        matches!(self.clock.get(), Clock::Stamps(_))
+    }
+
     /// The value of the column in a row of text; none where there is none.
     pub(super) fn of(&self, record: &StringRecord, found: &Found) -> Option<f64> {
         let cell = |index: usize| record.get(index).unwrap_or_default();
         let read = |index: usize| number(cell(index), self.decimal_comma);
         let value = match found.rest {
-            Some(rest) => self.joined(read(found.index)?, read(rest.index)?, rest)?,
+            Some(rest) => match rest.part {
+                Part::Ticks(tick) => self.joined(read(found.index)?, read(rest.index)?, tick)?,
+                Part::Date => {
+                    self.stamped(stamp::read_dated(cell(rest.index), cell(found.index)))?
+                }
+            },
             None if found.clock => {
                 self.time_of(cell(found.index), read(found.index), found.source.scale)?
             }
@@ -57,7 +67,7 @@ impl Values {
     }
 
     /// Whole seconds and what is left of them \[s\], from the first time on.
-    pub(super) fn joined(&self, whole: f64, left: f64, rest: Rest) -> Option<f64> {
+    pub(super) fn joined(&self, whole: f64, left: f64, tick: i64) -> Option<f64> {
         /// Seconds of which the nanoseconds can be counted.
         const MOST: f64 = 9e9;
         let nanoseconds = |seconds: f64| {
@@ -65,7 +75,7 @@ impl Values {
             usable.then(|| (seconds.trunc() as i64, (seconds.fract() * 1e9).round() as i64))
         };
         let (seconds, part) = nanoseconds(whole)?;
-        let (over, left) = nanoseconds(left * rest.tick as f64 * 1e-9)?;
+        let (over, left) = nanoseconds(left * tick as f64 * 1e-9)?;
         let now =
             seconds.checked_add(over)?.checked_mul(1_000_000_000)?.checked_add(part + left)?;
         let first = match self.clock.get() {
@@ -85,21 +95,24 @@ impl Values {
                 }
                 Some(value * scale)
             }
-            (Clock::Unread, None) => {
-                self.clock.set(Clock::Stamps(stamp::read(cell)?));
-                Some(0.0)
-            }
-            (Clock::Stamps(first), None) => {
-                let stamp = stamp::read(cell)?;
-                // On one day the order of day and month is all the same.
-                if stamp.unsure != first.unsure {
-                    self.unsure.set(true);
-                    return None;
-                }
-                Some(stamp.nanoseconds.wrapping_sub(first.nanoseconds) as f64 * 1e-9)
-            }
+            (Clock::Unread | Clock::Stamps(_), None) => self.stamped(stamp::read(cell)),
             (Clock::Numbers, None) | (Clock::Stamps(_), Some(_)) | (Clock::InTwo(_), _) => None,
         }
+    }
+
+    /// A moment \[s\], from the first one on.
+    fn stamped(&self, stamp: Option<Stamp>) -> Option<f64> {
+        let stamp = stamp?;
+        let Clock::Stamps(first) = self.clock.get() else {
+            self.clock.set(Clock::Stamps(stamp));
+            return Some(0.0);
+        };
+        // On one day the order of day and month is all the same.
+        if stamp.unsure != first.unsure {
+            self.unsure.set(true);
+            return None;
+        }
+        Some(stamp.nanoseconds.wrapping_sub(first.nanoseconds) as f64 * 1e-9)
     }
 
     /// What was expected where no value was found.
@@ -107,6 +120,8 @@ impl Values {
         if self.unsure.get() {
             "dates whose day and month can be told apart, as in 2024-02-03 12:00:00, since this \
              recording goes past midnight"
+        } else if found.rest.is_some_and(|rest| rest.part == Part::Date) {
+            "a date such as 2024-03-01, and a time of day such as 12:00:00.001"
         } else if found.rest.is_some() {
             "whole seconds, and what is left of them, as finite numbers"
         } else if found.clock {

@@ -8,10 +8,11 @@
 mod record;
 
 use std::collections::HashMap;
-use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 
 use mcap::records::{Channel, MessageHeader, Record, SchemaHeader, op};
+
+use super::read_at::ReadAt;
 
 pub(super) use self::record::LARGEST_RECORD;
 use self::record::{HEAD, length, parse, unpack};
@@ -51,7 +52,7 @@ pub(super) struct Losses {
 
 /// Walks through a file.
 pub(super) struct Salvage {
-    file: File,
+    file: Box<dyn ReadAt>,
     size: u64,
     schemas: HashMap<u16, (SchemaHeader, Vec<u8>)>,
     channels: HashMap<u16, Channel>,
@@ -59,11 +60,10 @@ pub(super) struct Salvage {
 }
 
 impl Salvage {
-    /// Reads `file`, which is an MCAP file at least by its first bytes.
-    pub(super) fn new(file: File) -> io::Result<Self> {
-        let size = file.metadata()?.len();
+    /// Reads `file` of `size` bytes, which is an MCAP file at least by its first ones.
+    pub(super) fn new((file, size): (Box<dyn ReadAt>, u64)) -> Self {
         let (schemas, channels) = (HashMap::new(), HashMap::new());
-        Ok(Self { file, size, schemas, channels, losses: Losses::default() })
+        Self { file, size, schemas, channels, losses: Losses::default() }
     }
 
     /// Hands everything whole to `take`, then says what was not.
