@@ -72,7 +72,9 @@ impl AxisStructure {
     /// The same with viscous and Coulomb friction of each direction.
     pub const ASYMMETRIC: Self = Self { asymmetric: true, ..Self::SYMMETRIC };
 
-    /// The structures that have one part more or one less, or another symmetry.
+    /// The structures that have one part more or one less, or another symmetry. A bristle comes and
+    /// goes with its damping as well as without: one whose force is mostly damping is worth nothing
+    /// alone.
     pub fn neighbours(&self) -> Vec<Self> {
         let fields: [Field; 8] = [
             |s| &mut s.asymmetric,
@@ -88,11 +90,13 @@ impl AxisStructure {
             let mut other = *self;
             let part = field(&mut other);
             *part = !*part;
+            if other.damping && !other.presliding {
+                let both = !self.damping;
+                (other.presliding, other.damping) = (both, both);
+            }
             other
         };
-        let mut near: Vec<Self> = fields.into_iter().map(changed).collect();
-        near.retain(|near| near.presliding || !near.damping);
-        near
+        fields.into_iter().map(changed).collect()
     }
 
     /// All that there are.

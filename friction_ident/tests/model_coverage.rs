@@ -1,6 +1,6 @@
 //! How often the 95 % intervals of a friction model hold the truth where the residual is coloured
-//! or the joint has a ripple that the model lacks. The truth is then what the same model finds over very
-//! long recordings of the same kind.
+//! or the joint has what the model lacks: a ripple, a dip near rest, lost motion. The truth is then
+//! what the same model finds over very long recordings of the same kind.
 //!
 //! `FRICTION_COVERAGE` sets the number of seeded repetitions, 40 if unset;
 //! `cargo xtask test --full` sets 2000.
@@ -24,6 +24,8 @@ const DT: f64 = 4e-3;
 enum Beside {
     Colour(f64),
     Ripple,
+    Stribeck,
+    Backlash,
 }
 
 fn model(name: ModelName, values: &[(&'static str, f64)]) -> AnyModel {
@@ -60,9 +62,9 @@ fn recorded(seed: u64, seconds: f64, beside: Beside) -> Stretch {
     }
     let mut stretch = Stretch::new(DT, velocity, Some(place), vec![0.0; n]).unwrap();
     stretch.friction = predict(&truth_model(), &stretch);
-    let mut colour = 0.0;
-    let places = stretch.position.iter().flatten();
-    for (friction, q) in stretch.friction.iter_mut().zip(places) {
+    let (mut colour, mut side) = (0.0, 0.0);
+    let places = stretch.position.iter().flatten().zip(&stretch.velocity);
+    for (friction, (q, v)) in stretch.friction.iter_mut().zip(places) {
         let noise = rng.sample::<f64, _>(StandardNormal);
         *friction += 0.5
             * match beside {
@@ -71,6 +73,11 @@ fn recorded(seed: u64, seconds: f64, beside: Beside) -> Stretch {
                     colour + 1.0
                 }
                 Beside::Ripple => 0.8 * (40.0 * q).sin() + 0.2 * noise,
+                Beside::Stribeck => 1.2 * v.signum() * (-(v / 0.05).powi(2)).exp() + 0.2 * noise,
+                Beside::Backlash => {
+                    side += (0.25 * v * DT / 0.01) - 0.25 * v.abs() * DT / 0.01 * side;
+                    1.5 * (side - v.signum()) + 0.2 * noise
+                }
             };
     }
     stretch
@@ -102,6 +109,24 @@ fn truth(beside: Beside) -> Vec<f64> {
         .collect()
 }
 
+/// Least shares of intervals that hold the truth.
+struct Reached {
+    all: f64,
+    /// Of any parameter.
+    each: f64,
+}
+
+/// What is reached. Where the model lacks a dip or lost motion, its own static level, Stribeck
+/// velocity and stiffness stand in for them: their intervals are too narrow, in short recordings
+/// most. Before the errors were looked at along the motion, 0.81 and 0.66 of all held it over 15 s.
+fn reached(beside: Beside) -> Reached {
+    match beside {
+        Beside::Colour(_) | Beside::Ripple => Reached { all: 0.92, each: 0.87 },
+        Beside::Stribeck => Reached { all: 0.86, each: 0.70 },
+        Beside::Backlash => Reached { all: 0.85, each: 0.58 },
+    }
+}
+
 /// Both lengths of recording against one truth, which the long recordings tell.
 fn intervals_hold_the_truth(beside: Beside) {
     let text = std::env::var("FRICTION_COVERAGE").ok();
@@ -124,16 +149,21 @@ fn intervals_hold_the_truth(beside: Beside) {
         }
         let shares: Vec<f64> = inside.iter().zip(&claimed).map(|(a, b)| a / b).collect();
         println!("{beside:?} {seconds} s: {shares:.3?} of {claimed:.0?} identified");
-        // Four standard deviations of chance beside what each parameter reaches: the static
-        // level is what the few slowest samples say, and its errors are not normal.
+        // Four standard deviations of chance beside what is reached: the static level is what the
+        // few slowest samples say, and its errors are not normal.
         let chance = |n: f64| 4.0 * (0.05 * 0.95 / n).sqrt();
         let all = inside.iter().sum::<f64>() / claimed.iter().sum::<f64>();
         let some = claimed.iter().sum::<f64>() / 5.0;
-        assert!(all > 0.92 - chance(some) && all < 0.99, "{beside:?} {seconds} s: {all}");
+        let Reached { all: of_all, each } = reached(beside);
+        println!("{beside:?} {seconds} s: {all:.3} of all");
+        assert!(all > of_all - chance(some), "{beside:?} {seconds} s: {all}");
+        // Where the model is right, wider than they say is wrong too.
+        let wide = matches!(beside, Beside::Colour(_)) && repetitions >= 200 && all > 0.99;
+        assert!(!wide, "{beside:?} {seconds} s: {all}");
         for (share, claimed) in shares.iter().zip(&claimed) {
             let enough = *claimed >= 0.3 * repetitions as f64;
             assert!(
-                !enough || *share > 0.87 - chance(*claimed),
+                !enough || *share > each - chance(*claimed),
                 "{beside:?} {seconds} s: {shares:?}"
             );
         }
@@ -153,4 +183,14 @@ fn intervals_hold_the_truth_under_colour() {
 #[test]
 fn intervals_hold_the_truth_of_a_joint_with_a_ripple() {
     intervals_hold_the_truth(Beside::Ripple);
+}
+
+#[test]
+fn intervals_hold_the_truth_of_a_joint_with_a_second_dip() {
+    intervals_hold_the_truth(Beside::Stribeck);
+}
+
+#[test]
+fn intervals_hold_the_truth_of_a_joint_with_lost_motion() {
+    intervals_hold_the_truth(Beside::Backlash);
 }

@@ -101,19 +101,18 @@ struct Bristle {
 impl Bristle {
     /// The deflection over its limit of Dahl's (1968) bristle, `z' = (v - |v| z) / displacement`,
     /// solved exactly over a sample of constant velocity, its mean rate over the sample, and their
-    /// derivatives with respect to the displacement. The bristle of each stretch begins at its own
-    /// end of the curve, and keeps its deflection while the axis stands.
+    /// derivatives with respect to the displacement. The bristle of each stretch begins with its
+    /// first recorded sample, at its limit in the direction of its first motion; what is fitted
+    /// begins later, when most of that is forgotten. It keeps its deflection while the axis stands.
     fn along(recording: &Conditioned, displacement: f64, damping: bool) -> Self {
-        let Conditioned { velocity, velocity_floor, time_step, pieces, history, .. } = recording;
-        let lived = history.as_deref().unwrap_or(velocity);
+        let Conditioned { lived, time_step, pieces, .. } = recording;
         let mut made = Self::default();
         let mut at: Option<(usize, usize, [f64; 2])> = None;
         for piece in pieces {
             let Range { start, end } = piece.origin;
-            let own = || lived.get(start).map_or(0.0, |&v| direction(v, *velocity_floor));
             let (from, [mut z, mut slope]) = match at {
                 Some((stretch, done, state)) if stretch == piece.stretch => (done, state),
-                _ => (start, [own(), 0.0]),
+                _ => (piece.begin, [piece.way, 0.0]),
             };
             for (k, v) in lived.iter().enumerate().take(end).skip(from) {
                 let limit = v.signum();
@@ -202,6 +201,39 @@ mod tests {
             for (k, (a, b)) in friction(&before).iter().zip(friction(&after)).enumerate() {
                 let central = (b - a) / width;
                 assert!((slope[k] - central).abs() < 1e-3 * largest, "{k}: {} {central}", slope[k]);
+            }
+        }
+    }
+
+    /// A reversal 30 ms after the first sample, in what the trim takes off: the bristle of the first
+    /// kept sample is still deflected the other way.
+    #[test]
+    fn a_bristle_lives_through_what_is_trimmed_off() {
+        const REACH: f64 = 0.02;
+        for (dt, decimate, thinned) in [(1e-3, 10, false), (2e-4, 100, true)] {
+            let count = (2.0 / dt) as usize;
+            let angle = |k: f64| 4.0 * (k * dt - 0.03) + std::f64::consts::FRAC_PI_2;
+            let position: Vec<f64> = (0..count).map(|k| 0.3 * angle(k as f64).sin()).collect();
+            let force = vec![1.0; count];
+            let signals =
+                Signals { time_step: dt, position: Some(&position), velocity: None, force: &force };
+            let trim = (0.05 / dt) as usize;
+            let how = Conditioning { trim, decimate, ..Conditioning::for_time_step(dt) };
+            let fine = condition(&signals, &how).unwrap();
+            let recording = fine.clone().coarsened().unwrap();
+            assert_eq!(recording.time_step > fine.time_step, thinned);
+            let structure: AxisStructure = "symmetric+presliding".parse().unwrap();
+            let shape = Shape { delay: 0.0, v_s: 1.0, displacement: REACH, period: 1.0 };
+            let curve = FrictionCurve::of(&recording, &structure, &shape);
+            let factor = (recording.time_step / dt).round() as usize;
+            let mut z = 1.0f64;
+            for k in 1..trim + (0.5 / dt) as usize {
+                let moved = position[k] - position[k - 1];
+                z = moved.signum() + (z - moved.signum()) * (-moved.abs() / REACH).exp();
+                if k >= trim && (k - trim).is_multiple_of(factor) {
+                    let here = curve.sign[(k - trim) / factor];
+                    assert!((here - z).abs() < 0.05, "{dt} s, sample {k}: {here} {z}");
+                }
             }
         }
     }

@@ -49,7 +49,15 @@ pub fn next(
         let mut wanted: Vec<AxisStructure> = Vec::new();
         for score in best.iter().take(beam) {
             let known = |near: &AxisStructure| refused.contains(near) || error_of(near).is_some();
+            // A bristle is tried alone first, and with its damping where that is worth nothing.
+            let in_turn = |near: &AxisStructure| {
+                let alone = AxisStructure { damping: false, ..*near };
+                let at_once = near.damping && !score.structure.presliding;
+                let idle = |error: f64| error > WORTH * score.relative_error;
+                !at_once || error_of(&alone).is_some_and(idle)
+            };
             let mut near = score.structure.neighbours();
+            near.retain(in_turn);
             near.retain(|near| near.parameters() > score.structure.parameters());
             near.retain(|near| near.harmonic == (harmonic || score.structure.harmonic));
             near.retain(|near| !known(near) && !wanted.contains(near) && possible(near));
@@ -97,6 +105,29 @@ mod tests {
         assert!(found.gravity && found.presliding && found.stribeck, "{found}");
         assert!(!found.position && !found.harmonic && !found.asymmetric, "{found}");
         assert!(scores.len() < 60, "{}", scores.len());
+    }
+
+    /// A bristle whose force is mostly damping: without that it is worth nothing. Where it is worth
+    /// something alone, its damping comes by itself.
+    #[test]
+    fn a_bristle_that_is_worth_nothing_is_tried_with_its_damping() {
+        let first = AxisStructure::SYMMETRIC;
+        let bristle = AxisStructure { presliding: true, ..first };
+        let damped = AxisStructure { damping: true, ..bristle };
+        let of_place = AxisStructure { position: true, ..first };
+        let damped_there = AxisStructure { position: true, ..damped };
+        let wanted = next(&[score(first, 10.0)], &[], |_| true);
+        assert!(wanted.contains(&bristle) && !wanted.contains(&damped), "{wanted:?}");
+        let mut scores = vec![score(first, 10.0), score(bristle, 9.99)];
+        let wanted = next(&scores, &[], |_| true);
+        assert!(wanted.contains(&damped), "{wanted:?}");
+        // What it has beside both is judged against what has neither.
+        scores.push(score(damped, 7.0));
+        let wanted = next(&scores, &[], |_| true);
+        assert!(wanted.contains(&AxisStructure { stribeck: true, ..damped }), "{wanted:?}");
+        let scores = [score(first, 10.0), score(bristle, 5.0), score(of_place, 6.0)];
+        let wanted = next(&scores, &[], |_| true);
+        assert!(wanted.contains(&damped) && !wanted.contains(&damped_there), "{wanted:?}");
     }
 
     #[test]

@@ -70,9 +70,10 @@ impl Whole {
         Ok(Self { slopes, residual, terms, shape, linear, free, held, scale, normal, gradient })
     }
 
-    /// The change of each parameter, linear ones first, without the rows in `out`; none where the model is not straight so far, or where what is left
-    /// does not show a parameter. Along a valley, where the step is long and gains nothing, a shorter
-    /// one predicts as well: it may leave `over` a share of the sum of squares.
+    /// The change of each parameter, linear ones first, without the rows in `out`; none where the
+    /// model is not straight so far, or where what is left does not show a parameter. Along a
+    /// valley, where the step is long and gains nothing, a shorter one predicts as well: it may
+    /// leave `over` a share of the sum of squares.
     pub fn without(&self, search: &Search, out: Range<usize>, over: f64) -> Option<DVector<f64>> {
         let count = out.len();
         let (slopes, residual) =

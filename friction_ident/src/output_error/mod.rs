@@ -18,6 +18,7 @@
 //! that stand still.
 
 mod along;
+mod motion;
 mod predictor;
 mod problem;
 mod slopes;
@@ -227,7 +228,8 @@ pub fn fit_output_error(
     // Errors of white residuals are known better without; exact data leave nothing but rounding.
     let exact = minimum.sum <= EXACT * data.square();
     if share < WHITE && !exact && !data.stretches.is_empty() {
-        robust_errors(&minimum, &Course { pieces: &pieces, motion: &[] }, &mut estimates);
+        let course = Course { pieces: &pieces, motion: &problem.motion() };
+        robust_errors(&minimum, &course, &mut estimates);
     }
     let rms = prediction_rms(&Predictor { model, load }, data);
     Ok(OutputErrorFit { model, load, estimates, rms, ending, settled, evaluations: problem.runs() })

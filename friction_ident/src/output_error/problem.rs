@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 
 use super::Measured;
 use super::along::Along;
+use super::motion::motion;
 use super::slopes::{AT_ONCE, Slopes};
 use crate::bounded::{Bound, Residuals};
 use crate::free_parameters::FreeParameters;
@@ -83,6 +84,11 @@ impl<'a> OutputError<'a> {
         let samples = self.data.stretches.iter().zip(&self.rest);
         let points = (!self.data.points.is_empty()).then_some(self.data.points.len());
         points.into_iter().chain(samples.map(|(s, rest)| s.len() - resting(rest))).collect()
+    }
+
+    /// What moves at each residual.
+    pub fn motion(&self) -> Vec<Vec<f64>> {
+        motion(self.data, &self.rest)
     }
 
     /// Runs of the model over the whole data so far. One that carries derivatives counts as one.

@@ -59,10 +59,9 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
         Some(wanted) => compare(&recording, validation, &settings, wanted, args.quiet)?,
         None => None,
     };
-    let mut page = axis::page::page(&found, &recording, validation);
+    let page = axis::page::page(&found, structured.as_ref(), &recording, validation);
     let mut document = axis::document::render(&found, &recording, validation);
     if let Some(structured) = &structured {
-        page.blocks.extend(axis::structure_page::blocks(structured, settings.axis));
         document = with_structure(&document, structured)?;
     }
     let name = recording.path.display().to_string();

@@ -7,6 +7,8 @@
 
 mod band;
 pub mod document;
+mod errors;
+mod longest;
 pub mod page;
 pub mod parameters;
 pub mod structure;
@@ -22,6 +24,7 @@ use friction_ident::{
     Prediction, Signals, adequacy, choose_load, condition_stretches, fit_axis, fit_axis_freely,
 };
 
+use longest::longest;
 use recording::{AxisKind, RecordedStretch, Recording};
 
 /// How a recording is to be identified.
@@ -54,6 +57,8 @@ pub struct ModelResult {
     pub validation: Option<Prediction>,
     /// The free run, where it was asked for.
     pub free_run: Option<FreeRun>,
+    /// Whether one of the warnings is of it.
+    pub warned: bool,
 }
 
 /// By how much the position of a [`free_run`](friction_ident::rigid_axis::free_run) is off, root
@@ -132,7 +137,7 @@ pub fn identify(
             estimation: free_run(&fit, recording),
             validation: other.and_then(|other| free_run(&fit, other)),
         });
-        Ok(ModelResult { fit, estimation: here, validation: there, free_run })
+        Ok(ModelResult { fit, estimation: here, validation: there, free_run, warned: false })
     };
 
     let loads = load(&estimation, validation.as_ref().map(|(_, other)| other), settings);
@@ -160,9 +165,10 @@ pub fn identify(
         }
         warnings.push(format!("The symmetric model cannot be: {error}."));
     }
-    let symmetric = result(symmetric)?;
+    let impossible = symmetric.possible().is_err();
+    let mut symmetric = ModelResult { warned: impossible, ..result(symmetric)? };
     let wanted = AxisModel { asymmetric: true, inertia: settings.inertia, offset: false, load };
-    let asymmetric = match fit_axis(&estimation, wanted) {
+    let mut asymmetric = match fit_axis(&estimation, wanted) {
         Ok(fit) => Some(result(fit)?),
         Err(error) => {
             notes.push(format!(
@@ -171,7 +177,7 @@ pub fn identify(
             None
         }
     };
-    for model in [Some(&symmetric), asymmetric.as_ref()].into_iter().flatten() {
+    for model in [Some(&mut symmetric), asymmetric.as_mut()].into_iter().flatten() {
         let name = if model.fit.model.asymmetric { "asymmetric" } else { "symmetric" };
         let whole = adequacy::doubts(&model.estimation, &estimation).into_iter();
         let more = if settings.structured {
@@ -179,7 +185,9 @@ pub fn identify(
         } else {
             "--structure auto offers more"
         };
+        let before = warnings.len();
         warnings.extend(whole.map(|doubt| format!("The {name} model {doubt}. {more}.")));
+        model.warned |= warnings.len() > before;
         notes.extend(doubts(&model.fit));
     }
     Ok(Identification { settings: *settings, load: loads, symmetric, asymmetric, warnings, notes })
@@ -263,24 +271,10 @@ fn moving(recording: &Recording, settings: &Settings) -> Result<(Conditioned, f6
     let found = condition_stretches(&stretches, &settings.conditioning);
     found.and_then(Conditioned::coarsened).and_then(Conditioned::moving).map_err(|source| {
         let stretch = match source {
-            IdentError::TooFewSamples { .. } => longest(&stretches),
+            IdentError::TooFewSamples { .. } => longest(recording),
             _ => None,
         };
         IdentifyError { path: recording.path.clone(), stretch, source }
-    })
-}
-
-/// The longest of several stretches, in words: a short one is left out, so that an error is about
-/// the longest.
-fn longest(stretches: &[(f64, Signals)]) -> Option<String> {
-    let count = stretches.len();
-    let (place, (start, signals)) = stretches
-        .iter()
-        .enumerate()
-        .max_by_key(|(place, (_, signals))| (signals.force.len(), count - place))?;
-    let end = start + signals.time_step * signals.force.len().saturating_sub(1) as f64;
-    (count > 1).then(|| {
-        format!("stretch {} of {count}, the longest, {start:.3} s to {end:.3} s: ", place + 1)
     })
 }
 

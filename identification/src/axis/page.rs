@@ -1,8 +1,12 @@
 //! `identification.html` as data: tables and pictures for [`report::render_page`].
 
+use friction_ident::axis_structure::AxisStructure;
 use friction_ident::robust_covariance::METHOD;
 use friction_ident::{AxisTerm, Differences, Prediction};
 
+use super::errors::errors;
+use super::structure::Structured;
+use super::structure_page;
 use super::terminal::{equation, hertz, low_pass};
 use super::{Identification, ModelResult, unit};
 use recording::Recording;
@@ -12,8 +16,13 @@ use report::numbers::value_and_error as with_error;
 /// Markers a cloud of points is thinned to: more only cost time and hide one another.
 const CLOUD: usize = 1500;
 
-/// The page.
-pub fn page(found: &Identification, recording: &Recording, validation: Option<&Recording>) -> Page {
+/// The page; a structure that was chosen stands before the plain models.
+pub fn page(
+    found: &Identification,
+    structured: Option<&Structured>,
+    recording: &Recording,
+    validation: Option<&Recording>,
+) -> Page {
     // The folder says nothing to whoever the page is sent to; the document has the whole path.
     let name = |recording: &Recording| {
         recording
@@ -25,6 +34,12 @@ pub fn page(found: &Identification, recording: &Recording, validation: Option<&R
     let mut blocks = vec![Block::Heading("What was found".to_owned())];
     blocks.extend(found.warnings.iter().map(|said| Block::Note(format!("WARNING: {said}"))));
     blocks.extend(found.notes.iter().cloned().map(Block::Note));
+    if let Some(structured) = structured {
+        let warned = warned(found);
+        blocks.extend(structure_page::blocks(structured, found.settings.axis, &warned));
+        blocks.push(Block::Heading("The plain models beside it".to_owned()));
+        blocks.push(Block::Table(errors(found, Some(structured), validation)));
+    }
     blocks.push(Block::Table(parameters(
         found,
         &found.symmetric,
@@ -33,7 +48,9 @@ pub fn page(found: &Identification, recording: &Recording, validation: Option<&R
     if let Some(asymmetric) = &found.asymmetric {
         blocks.push(Block::Table(parameters(found, asymmetric, "Friction of each direction")));
     }
-    blocks.push(Block::Table(errors(found, validation)));
+    if structured.is_none() {
+        blocks.push(Block::Table(errors(found, None, validation)));
+    }
     blocks.push(Block::Heading(format!("On the recording it was fitted to: {}", name(recording))));
     let predictions = |of: fn(&ModelResult) -> Option<&Prediction>| {
         let asymmetric = found
@@ -111,29 +128,15 @@ fn parameters(found: &Identification, result: &ModelResult, title: &str) -> Tabl
     }
 }
 
-fn errors(found: &Identification, validation: Option<&Recording>) -> Table {
-    let mut columns = vec!["model".to_owned(), "relative error [%]".to_owned()];
-    if validation.is_some() {
-        columns.push("cross-test [%]".to_owned());
-    }
-    columns.push(format!("residual rms [{}]", found.settings.axis.force_unit()));
-    let row = |name: &str, result: &ModelResult| {
-        let mut row = vec![name.to_owned(), format!("{:.3}", result.fit.relative_error)];
-        if let Some(prediction) = &result.validation {
-            row.push(format!("{:.3}", prediction.relative_error));
-        }
-        row.push(format!("{:.4}", result.fit.residual_rms));
-        row
+/// The plain models that a warning is of.
+fn warned(found: &Identification) -> Vec<AxisStructure> {
+    let plain = [Some(&found.symmetric), found.asymmetric.as_ref()];
+    let warned = plain.into_iter().flatten().filter(|result| result.warned);
+    let structure = |result: &ModelResult| {
+        let asymmetric = result.fit.model.asymmetric;
+        AxisStructure { asymmetric, ..AxisStructure::SYMMETRIC }
     };
-    let mut rows = vec![row("symmetric", &found.symmetric)];
-    rows.extend(found.asymmetric.as_ref().map(|result| row("asymmetric", result)));
-    Table {
-        title: "How well the models fit".to_owned(),
-        caption: "100 |measured - predicted| / |measured|, over all fitted samples.".to_owned(),
-        columns,
-        rows,
-        highlight: None,
-    }
+    warned.map(structure).collect()
 }
 
 fn over_time(found: &Identification, predictions: &[(&str, &Prediction)]) -> Figure {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use friction_ident::axis_structure::AxisStructure;
+use friction_ident::axis_structure::{AxisStructure, Ranked};
 use friction_ident::robust_covariance::METHOD;
 use friction_ident::{IdentError, Prediction};
 use serde_json::{Value, json};
@@ -15,8 +15,8 @@ use report::figure::{Block, Figure, LineStyle, Panel, Table, Trace};
 /// Markers a cloud of points is thinned to.
 const CLOUD: usize = 1500;
 
-/// What the page gets.
-pub fn blocks(found: &Structured, axis: AxisKind) -> Vec<Block> {
+/// What the page gets; `warned` are the structures that the page warns of.
+pub fn blocks(found: &Structured, axis: AxisKind, warned: &[AxisStructure]) -> Vec<Block> {
     let mut blocks = vec![Block::Heading(format!("The structure: {}", found.fit.structure))];
     blocks.extend(found.fit.notes().into_iter().chain(left_out(found)).map(Block::Note));
     blocks.push(Block::Text(format!(
@@ -25,7 +25,7 @@ pub fn blocks(found: &Structured, axis: AxisKind) -> Vec<Block> {
          The other recording, if there is one, took no part in that.",
         block_count(found)
     )));
-    blocks.push(Block::Table(ranking(found)));
+    blocks.push(Block::Table(ranking(found, warned)));
     blocks.push(Block::Figure(bars(found)));
     blocks.push(Block::Table(Table {
         title: format!("Parameters of {}", found.fit.structure),
@@ -69,23 +69,36 @@ fn harmonic(found: &Structured) -> String {
     )
 }
 
-fn ranking(found: &Structured) -> Table {
-    let rows = found.choice.ranking.iter().filter_map(|ranked| {
+/// The remark behind a row of what was compared.
+pub fn remark(chosen: bool, warned: bool) -> String {
+    match (chosen, warned) {
+        (true, _) => "chosen".to_owned(),
+        (false, true) => "warned of".to_owned(),
+        (false, false) => String::new(),
+    }
+}
+
+fn ranking(found: &Structured, warned: &[AxisStructure]) -> Table {
+    let is_chosen = |ranked: &Ranked| ranked.index == found.choice.chosen;
+    let all = &found.choice.ranking;
+    let ordered = all.iter().filter(|r| is_chosen(r)).chain(all.iter().filter(|r| !is_chosen(r)));
+    let rows = ordered.filter_map(|ranked| {
         let score = found.scores.get(ranked.index)?;
         Some(vec![
             score.structure.to_string(),
             score.structure.parameters().to_string(),
             format!("{:.3} ± {:.3}", score.relative_error, score.standard_error),
             format!("{:.3} ± {:.3}", ranked.excess, ranked.excess_error),
+            remark(is_chosen(ranked), warned.contains(&score.structure)),
         ])
     });
     Table {
-        title: "Structures, the best prediction first".to_owned(),
-        caption: "Relative error of the prediction of unseen blocks with its standard error, and the excess over the best with the standard error of the paired difference."
+        title: "Structures, the chosen one first".to_owned(),
+        caption: "Then by the error. Relative error of the prediction of unseen blocks with its standard error, and the excess over the best with the standard error of the paired difference."
             .to_owned(),
-        columns: ["structure", "parameters", "cross-validated error [%]", "excess [%]"].map(str::to_owned).to_vec(),
+        columns: ["structure", "parameters", "cross-validated error [%]", "excess [%]", "remark"].map(str::to_owned).to_vec(),
         rows: rows.collect(),
-        highlight: found.choice.ranking.iter().position(|ranked| ranked.index == found.choice.chosen),
+        highlight: Some(0),
     }
 }
 

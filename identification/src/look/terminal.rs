@@ -126,10 +126,11 @@ pub(super) fn of_times(times: &Times) -> Vec<String> {
 pub(super) fn channels(seen: &Overview) -> Vec<[String; 5]> {
     let one = |channel: &recording::overview::Seen| {
         let si = channel.channel.unit();
-        let unit = channel.unit.as_ref().map_or_else(
-            || format!("taken as {si}"),
-            |unit| format!("{unit} (times {})", rounded(channel.scale)),
-        );
+        let unit = match &channel.unit {
+            _ if channel.dated => "a date or time of day".to_owned(),
+            Some(unit) => format!("{unit} (times {})", rounded(channel.scale)),
+            None => format!("taken as {si}"),
+        };
         [
             channel.channel.describe().to_owned(),
             channel.name.clone(),

@@ -21,7 +21,7 @@ const ONE_CONCEPT: [(&str, &[&str]); 1] = [(
 )];
 
 /// The share of the code that one folder may hold.
-const LARGEST_SHARE: f64 = 0.155;
+const LARGEST_SHARE: f64 = 0.15;
 
 fn checkout() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
