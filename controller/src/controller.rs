@@ -51,6 +51,7 @@ impl Controller {
         positive("voltage_limit", options.voltage_limit)?;
         positive("volts_per_newton_metre", options.compensation.volts_per_newton_metre)?;
         non_negative("fade", options.fade)?;
+        non_negative("resting_angle", options.resting_angle)?;
         if !(0.0..=2.0).contains(&options.compensation.scale) {
             return Err(ControllerError::OutOfRange {
                 name: "scale",
@@ -248,7 +249,12 @@ impl Controller {
         let limited = if saturated { sum.signum() } else { 0.0 };
         match mode {
             ControlMode::Velocity => self.velocity.update(error, limited),
-            ControlMode::Position => self.pid.update(error, seen, limited),
+            ControlMode::Position => {
+                let rests = reference.velocity == 0.0 && error.abs() <= self.options.resting_angle;
+                // An integral that must not grow is one whose command is cut on its side.
+                let limited = if rests { error.signum() } else { limited };
+                self.pid.update(error, seen, limited);
+            }
         }
         if let Some(acceleration) = &mut self.acceleration {
             acceleration.update(feedback.velocity);

@@ -44,6 +44,9 @@ pub struct ControllerOptions {
     pub derivative_on: DerivativeOn,
     /// Time constant of the PID's derivative filter \[s\].
     pub derivative_filter: f64,
+    /// Error up to which the integral of the PID stands still while the reference does \[rad\], zero
+    /// or more: friction then holds the shaft where it is, and no integral winds up until it slips.
+    pub resting_angle: f64,
     /// How much of the inverse of the drive is fed forward.
     pub inverse: PlantInverse,
     /// Friction compensation.

@@ -31,6 +31,9 @@ parameters! {
         derivative_on: DerivativeOn = DerivativeOn::Measurement, "What the PID differentiates";
         derivative_filter: f64 = 0.005, "Time constant of the PID's derivative filter",
             unit("s"), range(ValueRange::NON_NEGATIVE);
+        resting_angle: f64 = 0.0,
+            "Error up to which the PID's integral stands still while the reference does",
+            unit("rad"), range(ValueRange::NON_NEGATIVE);
         inverse: PlantInverseName = PlantInverseName::Off,
             "How much of the drive's inverse is fed forward";
         drive: LinearDrive = LinearDrive::of(&Motor::SRV02);
@@ -105,6 +108,7 @@ impl ControllerParameters {
             pid: self.pid,
             derivative_on: self.derivative_on,
             derivative_filter: self.derivative_filter,
+            resting_angle: self.resting_angle,
             inverse: match self.inverse {
                 PlantInverseName::Off => PlantInverse::Off,
                 PlantInverseName::Gain => PlantInverse::Gain(self.drive),
@@ -145,6 +149,7 @@ impl ControllerParameters {
             pid: options.pid,
             derivative_on: options.derivative_on,
             derivative_filter: options.derivative_filter,
+            resting_angle: options.resting_angle,
             inverse: options.inverse.into(),
             drive,
             compensation: options.compensation.enabled,

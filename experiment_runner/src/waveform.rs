@@ -33,6 +33,16 @@ pub enum Waveform {
         /// Angular frequency w [rad/s].
         angular_frequency: f64,
     },
+    /// A smooth move from zero, without a jump of the acceleration: `position (10 s^3 - 15 s^4 + 6
+    /// s^5)` with `s` from 0 to 1 over its duration (Flash and Hogan 1985, eq. 2).
+    MovePosition {
+        /// Position afterwards \[rad\].
+        position: f64,
+        /// When it begins \[s\].
+        at: f64,
+        /// How long it takes \[s\], above zero.
+        duration: f64,
+    },
     /// Position `amplitude sin(w t)` \[rad\].
     SinePosition {
         /// Amplitude \[rad\].
@@ -67,6 +77,19 @@ impl Waveform {
                     acceleration: amplitude * w * cos,
                 }
             }
+            Self::MovePosition { position, at, duration } => {
+                let s = ((t - at) / duration).clamp(0.0, 1.0);
+                let rest = 1.0 - s;
+                Reference {
+                    position: position * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s),
+                    velocity: position / duration * 30.0 * s * s * rest * rest,
+                    acceleration: position / (duration * duration)
+                        * 60.0
+                        * s
+                        * rest
+                        * (1.0 - 2.0 * s),
+                }
+            }
             Self::SinePosition { amplitude, angular_frequency: w } => {
                 let (sin, cos) = (w * t).sin_cos();
                 Reference {
@@ -83,6 +106,16 @@ impl Waveform {
 mod tests {
     use super::*;
 
+    #[test]
+    fn a_move_begins_at_zero_and_ends_where_it_should() {
+        let wave = Waveform::MovePosition { position: 0.7, at: 0.5, duration: 2.0 };
+        assert_eq!(wave.at(0.2), Reference { position: 0.0, velocity: 0.0, acceleration: 0.0 });
+        let end = wave.at(2.5);
+        assert!((end.position - 0.7).abs() < 1e-12 && end.velocity == 0.0);
+        // Its highest speed is 15/8 of the mean one, in the middle.
+        assert!((wave.at(1.5).velocity - 0.7 / 2.0 * 1.875).abs() < 1e-12);
+    }
+
     /// Velocity and acceleration are the derivatives of position and velocity.
     #[test]
     fn derivatives_are_consistent() {
@@ -92,6 +125,7 @@ mod tests {
             Waveform::StepVelocity { velocity: 1.2, at: 0.5 },
             Waveform::StepPosition { position: 1.2, at: 0.5 },
             Waveform::SineVelocity { amplitude: 0.3, angular_frequency: 0.107 },
+            Waveform::MovePosition { position: 0.7, at: 0.5, duration: 2.0 },
             Waveform::SinePosition { amplitude: 1.0, angular_frequency: 0.546 },
         ] {
             for t in [0.1, 1.0, 7.7] {

@@ -145,6 +145,11 @@ pub trait Rig {
         }
     }
 
+    /// How far the winding is above ambient \[K\], where a safety layer watches it.
+    fn winding_rise(&self) -> Option<f64> {
+        self.beneath().and_then(Rig::winding_rise)
+    }
+
     /// The fault that holds the motor at zero volts, as far as the rig knows it.
     fn latched_fault(&self) -> Option<FaultReport> {
         self.beneath().and_then(Rig::latched_fault)
@@ -251,6 +256,10 @@ mod tests {
             self.note("request").map(|()| State::Inactive)
         }
 
+        fn winding_rise(&self) -> Option<f64> {
+            Some(4.0)
+        }
+
         fn latched_fault(&self) -> Option<FaultReport> {
             Some(FAULT)
         }
@@ -312,11 +321,12 @@ mod tests {
             (0.002, 12.0, true)
         );
         assert_eq!((layer.truth(), layer.latched_fault()), (Some(TRUTH), Some(FAULT)));
-        // Whoever adds a method to the trait adds it here: the ten told, the five asked, and both
+        assert_eq!(layer.winding_rise(), Some(4.0));
+        // Whoever adds a method to the trait adds it here: the ten told, the six asked, and both
         // ways to the rig beneath.
         let source = include_str!("rig.rs");
         let (_, of_the_trait) = source.split_once("pub trait Rig {").expect("the trait");
         let (of_the_trait, _) = of_the_trait.split_once("\n}\n").expect("its end");
-        assert_eq!(of_the_trait.matches("\n    fn ").count(), told.len() + 5 + 2);
+        assert_eq!(of_the_trait.matches("\n    fn ").count(), told.len() + 6 + 2);
     }
 }

@@ -5,8 +5,8 @@
 use proptest::prelude::*;
 use proptest::test_runner::FileFailurePersistence;
 use rig_driver::safety::{
-    Event, FAULTS, Fault, MotorThermal, Reaction, Request, SafetyLimits, SafetySupervisor, State,
-    Supervised, Travel, next,
+    Event, FAULTS, Fault, MotorThermal, Reaction, Request, SafetyLimits, SafetySupervisor,
+    SensorChecks, State, Supervised, Travel, next,
 };
 use rig_driver::{Measurement, Rig, RigError};
 
@@ -212,6 +212,36 @@ fn just_inside_each_limit_nothing_happens() {
     assert_eq!(bench.run(19, None, at_rest), 1.0);
     assert_eq!(bench.step_after(0.019, Some(1.0), at_rest), 1.0);
     assert_eq!(bench.supervisor.latched(), None);
+}
+
+/// A reading of exactly zero for ever is no tachometer: a shaft that turns is not as hot as one that
+/// is held.
+#[test]
+fn a_rig_without_a_tachometer_is_as_warm_as_its_encoder_says() {
+    let limits = SafetyLimits {
+        velocity: 50.0,
+        travel: None,
+        sensors: SensorChecks { agreement: None, torque_range: None, frozen_cycles: None },
+        ..limits()
+    };
+    let rise = |speed: f64| {
+        let mut supervisor = SafetySupervisor::new(limits, 1e-3).unwrap();
+        supervisor.request(Request::Configure).unwrap();
+        supervisor.request(Request::Activate).unwrap();
+        for cycle in 0..20_000 {
+            let time = 1e-3 * cycle as f64;
+            let encoder_position = speed * time;
+            let seen = Measurement { cycle, time, encoder_position, ..Measurement::default() };
+            supervisor.cycle(time, &seen);
+            supervisor.command(time, 2.5);
+            supervisor.output();
+        }
+        assert_eq!(supervisor.latched(), None);
+        supervisor.rise().unwrap()
+    };
+    let back_emf = limits.motor.unwrap().back_emf;
+    let (held, turning) = (rise(0.0), rise(0.9 * 2.5 / back_emf));
+    assert!(held > 30.0 && turning < 0.02 * held, "{held} {turning}");
 }
 
 #[test]

@@ -12,12 +12,13 @@ use std::{
 };
 
 use anyhow::Context;
-use friction_model::AnyModel;
+use machine_rig::Machine;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use rig_driver::Rig;
 use rig_protocol::{
-    Cause, Decoder, Device, DeviceMessage, HostMessage, Inputs, Message, Readings, State, VERSION,
+    Cause, Decoder, Device, DeviceMessage, Hello, HostMessage, Inputs, Message, Readings, State,
+    VERSION,
 };
 
 use crate::{
@@ -32,6 +33,8 @@ use crate::{
 /// The device, its line and its motor.
 pub(crate) struct Emulator {
     options: Options,
+    /// What it says of itself when it starts.
+    hello: Hello,
     terminal: Option<Terminal>,
     path: PathBuf,
     device: Device,
@@ -61,18 +64,19 @@ pub(crate) struct Emulator {
 impl Emulator {
     /// A device that has just started, on a pseudo-terminal.
     pub(crate) fn new(options: &Options) -> anyhow::Result<Self> {
+        let machine = options.machine.as_deref().map(Machine::read).transpose()?;
+        let hello = options.hello(machine.as_ref())?;
         let terminal = Terminal::open(options.link.as_deref())?;
         let random =
             |stream| Pcg64Mcg::seed_from_u64(options.seed.wrapping_mul(4).wrapping_add(stream));
         Ok(Self {
             path: terminal.path().to_owned(),
             terminal: Some(terminal),
-            device: Device::new(options.hello(), unforeseen())
-                .context("the device's description")?,
+            device: Device::new(hello, unforeseen()).context("the device's description")?,
             decoder: Decoder::new(),
             from_host: Line::new(options.odds(), random(1)),
             from_device: Line::new(options.odds(), random(2)),
-            motor: options.simulation().build(AnyModel::test_bed(options.plant))?,
+            motor: options.motor(machine.as_ref())?,
             inputs: Inputs::default(),
             version: options.speak_version,
             unplugged: 0,
@@ -86,6 +90,7 @@ impl Emulator {
             books: Books::default(),
             ended: false,
             options: options.clone(),
+            hello,
         })
     }
 
@@ -118,7 +123,7 @@ impl Emulator {
         orders: &Receiver<Order>,
         stop: &AtomicBool,
     ) -> anyhow::Result<()> {
-        let period = Duration::from_micros(self.options.period.into());
+        let period = Duration::from_micros(self.hello.period_us.into());
         let mut next = Instant::now() + period;
         while !stop.load(Ordering::Relaxed) && !self.ended {
             if self.options.cycles.is_some_and(|cycles| self.cycle >= cycles) {
@@ -204,7 +209,7 @@ impl Emulator {
         (self.voltage, self.permitted, self.answers) = (0, false, None);
         self.inputs.fault = None;
         // Checked when the first one was made.
-        if let Ok(device) = Device::new(self.options.hello(), unforeseen()) {
+        if let Ok(device) = Device::new(self.hello, unforeseen()) {
             self.device = device;
         }
         self.apply();
@@ -264,7 +269,7 @@ impl Emulator {
         self.silent = self.silent.saturating_add(1);
         self.permitted &= !self.inputs.emergency_stop
             && self.inputs.fault.is_none()
-            && self.silent <= self.options.host_timeout.div_ceil(self.options.period);
+            && self.silent <= self.options.host_timeout.div_ceil(self.hello.period_us);
         self.inputs.fault = None;
         self.voltage = output.voltage;
         let age = self.answers.map(|answers| self.device.cycle().wrapping_sub(answers));
@@ -282,7 +287,7 @@ impl Emulator {
             torque: scale(seen.torque, hello.torque_per_count),
             current: scale(seen.motor_current.unwrap_or(0.0), hello.current_per_count),
         };
-        let time_us = u64::from(self.device.cycle()) * u64::from(self.options.period);
+        let time_us = u64::from(self.device.cycle()) * u64::from(self.hello.period_us);
         let measurement = self.device.measurement(time_us, readings);
         self.books.expired += u64::from(measurement.expired);
         if self.hanging > 0 {

@@ -7,8 +7,9 @@
 
 use std::path::PathBuf;
 
-use friction_model::ModelName;
-use rig_driver::{HIGHEST_VOLTAGE, SimulationOptions};
+use friction_model::{AnyModel, ModelName};
+use machine_rig::Machine;
+use rig_driver::{HIGHEST_VOLTAGE, Rig, SimulationOptions};
 use rig_protocol::{Channels, Hello, Name};
 
 use crate::line::Odds;
@@ -42,6 +43,10 @@ pub(crate) struct Options {
     /// The plant's friction model
     #[arg(long, value_name = "NAME", default_value = "proposed")]
     pub(crate) plant: ModelName,
+    /// Machine in the motor's place, described by this file: its period, sensors, converters and
+    /// wiring are those of the device [default: the thesis's test bed]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["plant", "period", "voltage_range", "without"])]
+    pub(crate) machine: Option<PathBuf>,
     /// Seed of the sensors' noise and of the faults
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
@@ -121,7 +126,15 @@ fn part(text: &str) -> Result<f64, String> {
 
 impl Options {
     /// The rig in the motor's place.
-    pub(crate) fn simulation(&self) -> SimulationOptions {
+    pub(crate) fn motor(&self, machine: Option<&Machine>) -> anyhow::Result<Box<dyn Rig + Send>> {
+        match machine {
+            Some(machine) => Ok(machine.clone().rig()?),
+            None => Ok(self.simulation().build(AnyModel::test_bed(self.plant))?),
+        }
+    }
+
+    /// The test bed in the motor's place.
+    fn simulation(&self) -> SimulationOptions {
         SimulationOptions {
             period: f64::from(self.period) * 1e-6,
             seed: self.seed,
@@ -132,12 +145,27 @@ impl Options {
     }
 
     /// What the device says of itself: a count is a step of the converter.
-    pub(crate) fn hello(&self) -> Hello {
-        let simulation = self.simulation();
+    pub(crate) fn hello(&self, machine: Option<&Machine>) -> anyhow::Result<Hello> {
+        let simulation = match machine {
+            Some(machine) => {
+                // What a converter of its own limits is what it can put out.
+                SimulationOptions { voltage_limit: machine.voltage_range, ..machine.options()? }
+            }
+            None => self.simulation(),
+        };
         let sensors = &simulation.sensors;
-        let has = |sensor| !self.without.contains(&sensor);
+        let sensed = machine.map(|machine| machine.sensed);
+        let has = |sensor| match sensed {
+            None => !self.without.contains(&sensor),
+            Some(sensed) => match sensor {
+                Sensor::Tachometer => sensed.tachometer,
+                Sensor::Potentiometer => false,
+                Sensor::Torque => sensed.torque,
+                Sensor::Current => sensed.current,
+            },
+        };
         let scale = |sensor, step: f64| if has(sensor) { step as f32 } else { 0.0 };
-        Hello {
+        Ok(Hello {
             answers: None,
             session: None,
             name: Name::new("rig_emulator").unwrap_or_default(),
@@ -148,7 +176,7 @@ impl Options {
                 torque: has(Sensor::Torque),
                 current: has(Sensor::Current),
             },
-            period_us: self.period,
+            period_us: (1e6 * simulation.period).round() as u32,
             counts_per_turn: sensors.encoder_counts_per_turn,
             volts_per_count: sensors.voltage_resolution as f32,
             voltage_limit: (simulation.voltage_limit / sensors.voltage_resolution) as i16,
@@ -158,7 +186,7 @@ impl Options {
             current_per_count: scale(Sensor::Current, sensors.current.resolution),
             validity_limit_us: self.validity_limit,
             host_timeout_us: self.host_timeout,
-        }
+        })
     }
 
     /// How often frames go wrong by themselves.

@@ -82,6 +82,16 @@ impl RigChoice {
         matches!(self, Self::Opened(_))
     }
 
+    /// Whether nobody can be hurt: it is simulated here.
+    #[must_use]
+    pub fn is_simulated(&self) -> bool {
+        match self {
+            Self::Simulated => true,
+            Self::Opened(address) => address.is_simulated(),
+            Self::Nodes { .. } => false,
+        }
+    }
+
     /// Whether an explicit sequence may open it anew by itself after its line failed.
     #[must_use]
     pub fn comes_back(&self) -> bool {

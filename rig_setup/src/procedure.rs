@@ -22,8 +22,18 @@ pub struct Procedure {
     pub ramp: f64,
     /// Ramps in each direction.
     pub ramps: u32,
-    /// Travel that counts as motion \[counts\].
+    /// Travel that counts as motion \[counts\], where it is an angle too.
     pub moved: i64,
+    /// Smallest angle that counts as motion \[rad\]: below it friction may still hold the shaft
+    /// elastically, however fine the encoder is.
+    pub moved_angle: f64,
+    /// Where each ramp after the first of its direction begins, as a share of what moved the shaft
+    /// before.
+    pub again: f64,
+    /// Highest steady voltage above the one that moves the shaft \[V\]; none for that of the session.
+    pub above: Option<f64>,
+    /// Speed that no steady voltage is to reach [rad/s]; none for any.
+    pub fastest: Option<f64>,
     /// Voltages in each direction.
     pub levels: u32,
     /// Time for a level to settle, and to be read \[s\].
@@ -35,10 +45,30 @@ pub struct Procedure {
 impl Default for Procedure {
     /// About half a minute.
     fn default() -> Self {
-        Self { rest: 1.0, ramp: 0.2, ramps: 3, moved: 8, levels: 3, settle: 0.4, read: 0.8 }
+        Self {
+            rest: 1.0,
+            ramp: 0.2,
+            ramps: 3,
+            moved: 8,
+            moved_angle: 0.01,
+            again: 0.0,
+            above: None,
+            fastest: None,
+            levels: 3,
+            settle: 0.4,
+            read: 0.8,
+        }
     }
 }
 
+/// Angle that a shaft at rest may creep \[rad\].
+const STILL: f64 = 5e-4;
+/// Longest wait for a shaft to come to rest \[s\].
+const PATIENCE: f64 = 8.0;
+/// The least that a steady voltage is above the one that moves the shaft, as a share of it.
+const LEAST: f64 = 0.1;
+/// A level whose speed is below this share of the fastest one was no motion: a load stopped it.
+const STOPPED: f64 = 0.05;
 /// Windows a level is cut into, each a point of the line.
 const WINDOWS: usize = 4;
 
@@ -52,28 +82,33 @@ pub fn run(
     mut say: impl FnMut(&str),
 ) -> Result<Findings, RigSetupError> {
     say("at rest");
+    at_rest(session, procedure)?;
     let rest = session.hold(0.0, procedure.rest)?;
     let counts = travel(&rest);
-    if counts.abs() > 1 {
+    if counts.abs() > 1 && angle(&rest) > STILL {
         return Err(RigSetupError::MovesAtRest { counts });
     }
     let undetermined = |what| move || RigSetupError::Undetermined { what };
-    let at_rest = |value: fn(&Measurement) -> f64, what| {
+    let of_rest = |value: fn(&Measurement) -> f64, what| {
         Sample::of(rest.iter().map(value)).uncertain_mean().ok_or_else(undetermined(what))
     };
-    let tachometer_zero = at_rest(|seen| seen.tachometer_velocity, "the tachometer's zero")?;
-    let torque_zero = at_rest(|seen| seen.torque, "the torque's zero")?;
+    let tachometer_zero = of_rest(|seen| seen.tachometer_velocity, "the tachometer's zero")?;
+    let torque_zero = of_rest(|seen| seen.torque, "the torque's zero")?;
 
     let (mut forward, mut backward, mut signs) = (Vec::new(), Vec::new(), Vec::new());
     let mut width: f64 = 0.0;
     for ramp in 1..=procedure.ramps {
         say(&format!("slow ramps of voltage, {ramp} of {}", procedure.ramps));
         for (direction, found) in [(1.0, &mut forward), (-1.0, &mut backward)] {
-            let Breakaway { above, below, counts } = breakaway(session, procedure, direction)?;
+            let lowest = found.iter().copied().fold(f64::INFINITY, f64::min);
+            let from = if lowest.is_finite() { procedure.again * lowest } else { 0.0 };
+            let Breakaway { above, below, counts } =
+                breakaway(session, procedure, direction, from)?;
             found.push(0.5 * (above + below));
             width = width.max(above - below);
             signs.push(direction * counts as f64);
-            session.hold(0.0, procedure.settle)?;
+            at_rest(session, procedure)?;
+            session.cool()?;
         }
     }
     let encoder_sign = common_sign(&signs).ok_or(RigSetupError::EncoderErratic)?;
@@ -89,17 +124,33 @@ pub fn run(
     };
     let (deadband_forward, deadband_backward) = (deadband(&forward)?, deadband(&backward)?);
 
-    let mut levels = Vec::new();
+    let mut levels: Vec<(f64, Vec<Measurement>)> = Vec::new();
     let start = deadband_forward.value.max(deadband_backward.value);
     for level in 1..=procedure.levels {
         let share = f64::from(level) / f64::from(procedure.levels);
-        let volts = start + share * (session.max_volts() - start);
+        let highest = procedure.above.map_or(f64::INFINITY, |above| start + above);
+        let mut volts = start + share * (session.max_volts().min(highest) - start);
+        // The speed grows as the voltage above the one that moves the shaft.
+        if let (Some(fastest), Some((before, seen))) = (procedure.fastest, levels.last()) {
+            let speed = angle(seen) / procedure.read;
+            let most = start + (before.abs() - start) * fastest / speed.max(f64::MIN_POSITIVE);
+            if most < 1.2 * (before.abs() - start) + start {
+                break;
+            }
+            volts = volts.min(most);
+        }
+        if let (Some(heat), Some(_)) = (session.heat(), procedure.above) {
+            let bearable = heat.bearable(procedure.settle + procedure.read);
+            volts = volts.min(bearable.max((1.0 + LEAST) * start));
+        }
         // Forwards and back in turn: the shaft stays near where it began.
         for direction in [1.0, -1.0] {
             say(&format!("steady at {:+.2} V", direction * volts));
             session.hold(direction * volts, procedure.settle)?;
             let seen = session.hold(direction * volts, procedure.read)?;
             levels.push((direction * volts, seen));
+            session.hold(0.0, procedure.settle)?;
+            session.cool()?;
         }
     }
     session.hold(0.0, procedure.settle)?;
@@ -111,6 +162,19 @@ pub fn run(
         deadband_backward,
         levels,
     })
+}
+
+/// Zero volts until the shaft rests, at most as long as a pendulum swings.
+fn at_rest(session: &mut Session<'_>, procedure: &Procedure) -> Result<(), RigSetupError> {
+    let mut waited = 0.0;
+    while waited < PATIENCE {
+        let seen = session.hold(0.0, procedure.settle)?;
+        waited += procedure.settle;
+        if travel(&seen).abs() <= 1 || angle(&seen) < STILL {
+            break;
+        }
+    }
+    Ok(())
 }
 
 /// Voltages between which a shaft broke away \[V\], and its travel.
@@ -127,16 +191,19 @@ fn breakaway(
     session: &mut Session<'_>,
     procedure: &Procedure,
     direction: f64,
+    from: f64,
 ) -> Result<Breakaway, RigSetupError> {
-    let (mut volts, mut start, step) = (0.0, None, procedure.ramp * session.period());
+    let (mut volts, mut start, step) = (from, None, procedure.ramp * session.period());
     let mut below = None;
     loop {
         let seen = session.step(|_| direction * volts)?;
-        let counts = seen.encoder_counts - *start.get_or_insert(seen.encoder_counts);
-        if 2 * counts.abs() >= procedure.moved {
+        let (first, origin) = *start.get_or_insert((seen.encoder_counts, seen.encoder_position));
+        let counts = seen.encoder_counts - first;
+        let angle = (seen.encoder_position - origin).abs();
+        if 2 * counts.abs() >= procedure.moved && 2.0 * angle >= procedure.moved_angle {
             below.get_or_insert(volts);
         }
-        if counts.abs() >= procedure.moved {
+        if counts.abs() >= procedure.moved && angle >= procedure.moved_angle {
             session.step(|_| 0.0)?;
             return Ok(Breakaway { above: volts, below: below.unwrap_or(volts), counts });
         }
@@ -176,7 +243,6 @@ fn evaluate(known: Known) -> Result<Findings, RigSetupError> {
     let mut points = Vec::new();
     let mut shown = Vec::new();
     let mut torques = Vec::new();
-    let mut directions = Vec::new();
     for (volts, seen) in &levels {
         let size = seen.len().div_ceil(WINDOWS).max(3);
         for window in seen.chunks(size).filter(|window| window.len() == size) {
@@ -194,11 +260,14 @@ fn evaluate(known: Known) -> Result<Findings, RigSetupError> {
         let Some(&(velocity, tachometer)) = points.last() else {
             return Err(RigSetupError::Undetermined { what: "the encoder's speed" });
         };
-        directions.push(volts * velocity);
         torques.push(Uncertain { value: volts.signum() * torque.value, ..torque });
         shown.push(Level { volts: *volts, velocity, tachometer, torque: torque.value });
     }
     // The ramps told the sign at breakaway; steady motion has to agree.
+    let fastest = shown.iter().map(|level| level.velocity.abs()).fold(0.0, f64::max);
+    let moves = |level: &Level| level.velocity.abs() > STOPPED * fastest;
+    let directions: Vec<f64> =
+        shown.iter().filter(|l| moves(l)).map(|l| l.volts * l.velocity).collect();
     if common_sign(&directions) != Some(Sign::Forward) {
         return Err(RigSetupError::EncoderErratic);
     }
@@ -235,6 +304,14 @@ fn common_sign(values: &[f64]) -> Option<Sign> {
     let first = *values.first()?;
     let same = |value: &f64| *value != 0.0 && (*value > 0.0) == (first > 0.0);
     values.iter().all(same).then_some(Sign::of(first))
+}
+
+/// Angle from the first to the last reading \[rad\].
+fn angle(seen: &[Measurement]) -> f64 {
+    match (seen.first(), seen.last()) {
+        (Some(first), Some(last)) => (last.encoder_position - first.encoder_position).abs(),
+        _ => 0.0,
+    }
 }
 
 /// Counts from the first to the last reading.

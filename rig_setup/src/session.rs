@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use rig_driver::safety::{SafetyLimits, Supervised};
 use rig_driver::{Measurement, Rig, RigError};
 
-use super::{Opened, Pace, RigSetupError};
+use super::{Heat, Opened, Pace, RigSetupError};
 
 /// The rig, active and paced. Dropped, it leaves zero volts.
 pub struct Session<'a> {
@@ -18,6 +18,7 @@ pub struct Session<'a> {
     cycles: u32,
     max_volts: f64,
     on_cycle: Box<dyn FnMut(&Measurement) + 'a>,
+    heat: Option<Heat>,
 }
 
 impl<'a> Session<'a> {
@@ -45,6 +46,7 @@ impl<'a> Session<'a> {
         // does.
         let mut limits = SafetyLimits { voltage: max_volts, ..limits }.before_calibration();
         limits.sensors.frozen_cycles = None;
+        let heat = limits.motor.map(Heat);
         let rig = Supervised::activated(rig, limits)?;
         Ok(Self {
             rig,
@@ -54,6 +56,7 @@ impl<'a> Session<'a> {
             cycles: 0,
             max_volts,
             on_cycle: Box::new(|_| {}),
+            heat,
         })
     }
 
@@ -74,6 +77,36 @@ impl<'a> Session<'a> {
     #[must_use]
     pub fn period(&self) -> f64 {
         self.rig.period()
+    }
+
+    /// Says how far the winding is above ambient \[K\], where that is known from before.
+    pub fn warm(&mut self, rise: f64) {
+        self.rig.warm(rise);
+    }
+
+    /// How far it is above ambient \[K\]; none where nothing watches it.
+    #[must_use]
+    pub fn winding_rise(&self) -> Option<f64> {
+        self.rig.winding_rise()
+    }
+
+    /// What it bears.
+    #[must_use]
+    pub const fn heat(&self) -> Option<Heat> {
+        self.heat
+    }
+
+    /// Rests while the winding is warm.
+    ///
+    /// # Errors
+    /// As for [`step`](Self::step).
+    pub fn cool(&mut self) -> Result<(), RigSetupError> {
+        let Some((heat, rise)) = self.heat.zip(self.winding_rise()) else { return Ok(()) };
+        let pause = heat.pause(rise);
+        if pause > 0.0 {
+            self.hold(0.0, pause)?;
+        }
+        Ok(())
     }
 
     /// One cycle: reads, and puts out what `volts` says to the readings.

@@ -77,6 +77,12 @@ pub enum RigError {
     /// The rig is driven elsewhere, and what was said there ends the run.
     #[error("{0}")]
     Elsewhere(String),
+    /// The file that describes a rig is wrong.
+    #[error("{0}")]
+    Description(String),
+    /// The line to the rig is gone.
+    #[error("the line to the rig is gone: look at its cable and its supply")]
+    LineGone,
     /// A transition that the state does not allow.
     #[error(transparent)]
     Refused(Refused),
@@ -97,6 +103,7 @@ impl RigError {
         match self {
             #[cfg(feature = "serial")]
             Self::Serial(error) => error.is_of_the_line(),
+            Self::LineGone => true,
             Self::Safety(report) => {
                 matches!(
                     report.fault,
@@ -115,7 +122,8 @@ impl RigError {
             Self::OutOfRange { .. }
             | Self::BeyondRange { .. }
             | Self::Motor(_)
-            | Self::Sensor(_) => true,
+            | Self::Sensor(_)
+            | Self::Description(_) => true,
             #[cfg(feature = "serial")]
             Self::Serial(error) => error.is_bad_input(),
             Self::Quanser(error) => error.is_bad_input(),
@@ -125,6 +133,7 @@ impl RigError {
             | Self::Lent
             | Self::Stopped
             | Self::Elsewhere(_)
+            | Self::LineGone
             | Self::Refused(_) => false,
         }
     }

@@ -22,6 +22,8 @@ pub(super) struct SensorMonitor {
     tachometer: Unchanged,
     torque: Unchanged,
     rig_time: Unchanged,
+    /// The tachometer never showed anything but zero.
+    silent: bool,
 }
 
 impl SensorMonitor {
@@ -33,6 +35,7 @@ impl SensorMonitor {
             tachometer: Unchanged::default(),
             torque: Unchanged::default(),
             rig_time: Unchanged::default(),
+            silent: true,
         }
     }
 
@@ -48,6 +51,12 @@ impl SensorMonitor {
         self.window.encoder_velocity
     }
 
+    /// Velocity that the motor turns with, as far as it is known [rad/s]: that of the tachometer, of
+    /// the encoder where there is no tachometer. One that is there is never exactly zero for ever.
+    pub(super) fn velocity(&self, seen: &Measurement) -> f64 {
+        if self.silent { self.encoder_velocity().unwrap_or(0.0) } else { seen.tachometer_velocity }
+    }
+
     /// Takes in one cycle. `broken` says that a cycle was late: means over it say nothing.
     pub(super) fn check(&mut self, seen: &Measurement, broken: bool) -> Option<Finding> {
         let readings = [
@@ -56,6 +65,7 @@ impl SensorMonitor {
             seen.torque,
             seen.motor_current.unwrap_or(0.0),
         ];
+        self.silent &= seen.tachometer_velocity == 0.0;
         if let Some(&wrong) = readings.iter().find(|reading| !reading.is_finite()) {
             return Some((Fault::ReadingNotFinite, wrong, 0.0));
         }

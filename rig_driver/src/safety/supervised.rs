@@ -214,6 +214,10 @@ impl<R: Rig> Rig for Supervised<R> {
         }
     }
 
+    fn winding_rise(&self) -> Option<f64> {
+        self.supervisor.rise()
+    }
+
     fn halt(&mut self) -> Result<(), RigError> {
         self.asked = 0.0;
         self.supervisor.halt();

@@ -175,7 +175,7 @@ impl SafetySupervisor {
         if self.state == State::Unconfigured || self.state == State::Finalized {
             return;
         }
-        let velocity = seen.tachometer_velocity;
+        let velocity = self.sensors.velocity(seen);
         if let Some(winding) = &mut self.winding
             && gap > 0.0
             && gap.is_finite()

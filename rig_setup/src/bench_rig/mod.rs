@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 
-use rig_driver::safety::SafetyLimits;
+use rig_driver::safety::{MotorThermal, SafetyLimits};
 use rig_driver::{Rig, RigError};
 
 use self::home::Home;
@@ -130,6 +130,26 @@ impl BenchRig {
     #[must_use]
     pub const fn reopens(&self) -> bool {
         self.reopen.is_some()
+    }
+
+    /// The winding, where the safety layer watches it.
+    #[must_use]
+    pub const fn winding(&self) -> Option<MotorThermal> {
+        self.limits.motor
+    }
+
+    /// How far the winding is above ambient \[K\]; none while the rig is lent, or where nothing
+    /// watches it.
+    #[must_use]
+    pub fn winding_rise(&self) -> Option<f64> {
+        locked(&self.home.rig).as_ref().and_then(|paced| paced.rig.winding_rise())
+    }
+
+    /// Says how far the winding is above ambient \[K\], where that is known from before.
+    pub fn warm(&self, rise: f64) {
+        if let Some(paced) = locked(&self.home.rig).as_mut() {
+            paced.rig.warm(rise);
+        }
     }
 
     /// The rig for one run: at rest, active, its time and position counted from here.

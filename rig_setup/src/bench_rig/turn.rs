@@ -39,7 +39,11 @@ impl Turn {
             paced.cycle()?;
             paced.rig.apply(0.0)?;
         }
-        paced.rig.request(Request::Activate).map(drop)
+        // What stopped it says more than that it cannot be activated.
+        match paced.rig.request(Request::Activate) {
+            Ok(_) => Ok(()),
+            Err(refused) => Err(paced.rig.latched_fault().map_or(refused, RigError::Safety)),
+        }
     }
 
     /// A reading counted from the turn's first.
@@ -95,6 +99,10 @@ impl Rig for Turn {
 
     fn halt(&mut self) -> Result<(), RigError> {
         self.paced.as_mut().map_or(Err(RigError::Lent), |paced| paced.rig.halt())
+    }
+
+    fn winding_rise(&self) -> Option<f64> {
+        self.paced.as_ref().and_then(|paced| paced.rig.winding_rise())
     }
 
     fn truth(&self) -> Option<rig_driver::Truth> {

@@ -1,0 +1,371 @@
+//! The rig as the stages drive it: under the safety layer, with its time counted.
+
+use std::cell::Cell;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use controller::{Controller, ControllerOptions, Feedback, Reference};
+use experiment_runner::control_loop::RunningLoop;
+use rig_driver::safety::MotorThermal;
+use rig_driver::{Calibration, Measurement, Rig, RigError};
+use rig_setup::{
+    BenchRig, Heat, Opened, REST, RigChoice, RigDescription, RigSetup, RigSetupError, Session,
+};
+use work::progress::Progress;
+
+use crate::{CommissionError, Stage};
+
+/// What is known of a rig before it moves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Known {
+    /// What it says of itself, in a line.
+    pub about: Option<String>,
+    /// What it says of itself, number by number.
+    pub description: Option<RigDescription>,
+    /// Largest voltage \[V\].
+    pub voltage: f64,
+    /// Largest speed [rad/s].
+    pub velocity: f64,
+    /// Whether a torque sensor is there; it is not used.
+    pub torque: bool,
+    /// Period \[s\].
+    pub period: f64,
+    /// The winding, where the safety layer watches it.
+    pub winding: Option<MotorThermal>,
+}
+
+impl Known {
+    /// Voltage that the motor bears at rest for ever \[V\].
+    #[must_use]
+    pub fn continuous(&self) -> f64 {
+        self.winding.map_or(f64::INFINITY, |motor| Heat(motor).continuous())
+    }
+}
+
+/// The rig, opened for one stage at a time. Between stages it is closed, at zero volts.
+pub struct Axis<'a> {
+    rig: &'a RigChoice,
+    setup: RigSetup,
+    expected: Option<RigDescription>,
+    encoder_alone: bool,
+    stop: Arc<AtomicBool>,
+    progress: &'a Progress,
+    allowed: f64,
+    used: f64,
+    /// How far the winding was above ambient when the rig was left last \[K\]: whoever opens it anew
+    /// tells the safety layer.
+    rise: Cell<f64>,
+}
+
+impl<'a> Axis<'a> {
+    /// A rig that may be driven for `allowed` seconds, `used` of which are over.
+    pub fn new(
+        rig: &'a RigChoice,
+        setup: RigSetup,
+        stop: Arc<AtomicBool>,
+        progress: &'a Progress,
+        (allowed, used): (f64, f64),
+    ) -> Self {
+        progress.advance(used);
+        Self {
+            rig,
+            setup,
+            expected: None,
+            encoder_alone: false,
+            stop,
+            progress,
+            allowed,
+            used,
+            rise: Cell::new(0.0),
+        }
+    }
+
+    /// Rig time that was used \[s\].
+    #[must_use]
+    pub const fn used(&self) -> f64 {
+        self.used
+    }
+
+    /// Rig time that is left \[s\].
+    #[must_use]
+    pub fn left(&self) -> f64 {
+        (self.allowed - self.used).max(0.0)
+    }
+
+    /// Says what is done now, on the bar.
+    pub fn say(&self, stage: Stage, what: &str) {
+        self.progress.stage(format!("{stage}: {what}"));
+    }
+
+    /// Readings are corrected by this from now on.
+    pub fn calibrate(&mut self, calibration: Calibration) {
+        self.setup.calibration = Some(calibration);
+    }
+
+    /// The encoder has nothing to be held against: a tachometer that shows no motion, or a torque
+    /// sensor that shows no friction, is no fault from now on.
+    pub fn trust_the_encoder_alone(&mut self) {
+        self.encoder_alone = true;
+    }
+
+    /// Only this device is driven from now on.
+    pub fn drive_only(&mut self, description: Option<RigDescription>) {
+        self.expected = description;
+    }
+
+    /// Whether the user wants it to end.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// Opens the rig, looks at it, and closes it. Nothing moves.
+    ///
+    /// # Errors
+    /// [`CommissionError::Rig`] for a rig that is not there, or limits that contradict each other.
+    pub fn look(&self) -> Result<Known, CommissionError> {
+        let opened = self.open()?;
+        opened.limits.check(opened.rig.period())?;
+        Ok(Known {
+            about: opened.about.clone(),
+            description: opened.description.clone(),
+            voltage: opened.limits.voltage,
+            velocity: opened.limits.velocity,
+            torque: opened.sensors.torque,
+            period: opened.rig.period(),
+            winding: opened.limits.motor,
+        })
+    }
+
+    /// Refuses what takes more rig time than is left.
+    ///
+    /// # Errors
+    /// [`CommissionError::OutOfTime`].
+    pub fn reserve(&self, stage: Stage, needed: f64) -> Result<(), CommissionError> {
+        let left = self.left();
+        if needed <= left {
+            return Ok(());
+        }
+        Err(CommissionError::OutOfTime { stage, needed, left, allowed: self.allowed })
+    }
+
+    /// A session of the steps by which signs are found, at most `volts`.
+    ///
+    /// # Errors
+    /// What the steps or the rig say.
+    pub fn session<T>(
+        &mut self,
+        volts: f64,
+        work: impl FnOnce(&mut Session<'_>, &dyn Fn(&str)) -> Result<T, RigSetupError>,
+    ) -> Result<T, CommissionError> {
+        let mut opened = self.open()?;
+        // A speed whose sign is wrong would count as braking, which heats most: while signs are
+        // unknown the winding is counted as at rest.
+        opened.limits.motor =
+            opened.limits.motor.map(|motor| MotorThermal { back_emf: f64::MIN_POSITIVE, ..motor });
+        let stop = Arc::clone(&self.stop);
+        let mut session = Session::new(opened, volts, &stop)?;
+        session.warm(self.rise.get());
+        let first = session.step(|_| 0.0)?.time;
+        let say = |text: &str| self.progress.stage(format!("meet: {text}"));
+        let outcome = work(&mut session, &say);
+        let last = session.step(|_| 0.0).map_or(first, |seen| seen.time);
+        self.rise.set(session.winding_rise().unwrap_or_default());
+        self.count(last - first);
+        Ok(outcome?)
+    }
+
+    /// The rig for several turns; it is at zero volts between them and afterwards.
+    ///
+    /// # Errors
+    /// [`CommissionError::Rig`] if it refuses.
+    pub fn bench(&self) -> Result<Bench, CommissionError> {
+        let bench = BenchRig::new(self.open()?, Arc::clone(&self.stop))?;
+        bench.warm(self.rise.get());
+        Ok(Bench(bench))
+    }
+
+    /// Drives a turn by `volts` of the time since it began, for `seconds`.
+    ///
+    /// # Errors
+    /// [`CommissionError::OutOfTime`] before it begins, or what the rig says.
+    pub fn excite(
+        &mut self,
+        bench: &Bench,
+        stage: Stage,
+        seconds: f64,
+        volts: impl Fn(f64) -> f64,
+    ) -> Result<Vec<Measurement>, CommissionError> {
+        self.turn(bench, stage, seconds, |seen| volts(seen.time))
+    }
+
+    /// Lets the position loop of `options` follow `reference` for `seconds`; `friction` is what the
+    /// reference is believed to meet, for the controller's compensation \[V\].
+    ///
+    /// # Errors
+    /// As for [`excite`](Self::excite).
+    pub fn follow(
+        &mut self,
+        bench: &Bench,
+        stage: Stage,
+        seconds: f64,
+        options: ControllerOptions,
+        reference: impl Fn(f64) -> Reference,
+        friction: impl Fn(&Reference) -> f64,
+    ) -> Result<Vec<Measurement>, CommissionError> {
+        let mut controller = Controller::new(options)?;
+        self.turn(bench, stage, seconds, |seen| {
+            let wanted = reference(seen.time);
+            let feedback = Feedback {
+                position: seen.encoder_position,
+                velocity: seen.tachometer_velocity,
+                friction: friction(&wanted),
+                cycle: Some(seen.cycle),
+            };
+            controller.step(&wanted, &feedback).total
+        })
+    }
+
+    fn turn(
+        &mut self,
+        bench: &Bench,
+        stage: Stage,
+        seconds: f64,
+        mut volts: impl FnMut(&Measurement) -> f64,
+    ) -> Result<Vec<Measurement>, CommissionError> {
+        self.cool(bench, stage)?;
+        self.reserve(stage, seconds + REST)?;
+        let mut rig = bench.0.lend()?;
+        let cycles = (seconds / rig.period()).round() as usize;
+        let mut seen = Vec::with_capacity(cycles + 1);
+        let heat = bench.0.winding().map(Heat);
+        let mut drive = |seen: &mut Vec<Measurement>| -> Result<(), RigError> {
+            for _ in 0..cycles {
+                let now = rig.measure();
+                rig.apply(volts(&now))?;
+                seen.push(now);
+                // What would be too hot is ended here, and what was seen is short.
+                let rise = rig.winding_rise();
+                if heat.zip(rise).is_some_and(|(heat, rise)| heat.is_hot(rise)) {
+                    break;
+                }
+            }
+            // What was applied in the last cycle.
+            seen.push(rig.measure());
+            rig.halt()
+        };
+        let outcome = drive(&mut seen);
+        drop(rig);
+        self.left_warm(bench);
+        self.count(REST + seen.len() as f64 * bench.0.period());
+        outcome?;
+        Ok(seen)
+    }
+
+    /// Runs a loop of `build` for `seconds`; what each cycle's encoder misses of the reference
+    /// \[rad\], from `from` seconds on.
+    ///
+    /// # Errors
+    /// As for [`excite`](Self::excite).
+    pub fn track(
+        &mut self,
+        bench: &Bench,
+        stage: Stage,
+        (from, seconds): (f64, f64),
+        build: impl FnOnce(Box<dyn Rig + Send>) -> Result<Box<dyn RunningLoop>, CommissionError>,
+    ) -> Result<Vec<f64>, CommissionError> {
+        self.cool(bench, stage)?;
+        self.reserve(stage, seconds + REST)?;
+        let mut running = build(bench.0.lend()?)?;
+        let cycles = (seconds / running.period()).round() as usize;
+        let skipped = (from / running.period()).round() as usize;
+        let mut errors = Vec::with_capacity(cycles);
+        let mut outcome = Ok(());
+        let mut done = 0;
+        for cycle in 0..cycles {
+            match running.step() {
+                Ok(now) if cycle >= skipped => {
+                    errors.push(now.reference.position - now.measurement.encoder_position);
+                }
+                Ok(_) => {}
+                Err(error) => {
+                    outcome = Err(error);
+                    break;
+                }
+            }
+            done = cycle + 1;
+        }
+        let stopped = running.stop();
+        drop(running);
+        self.left_warm(bench);
+        self.count(REST + done as f64 * bench.period());
+        outcome?;
+        stopped?;
+        Ok(errors)
+    }
+
+    /// Rests while the winding is warm.
+    fn cool(&mut self, bench: &Bench, stage: Stage) -> Result<(), CommissionError> {
+        let heat = bench.0.winding().map(Heat);
+        let pause = heat.zip(bench.0.winding_rise()).map_or(0.0, |(heat, rise)| heat.pause(rise));
+        if pause == 0.0 {
+            return Ok(());
+        }
+        self.reserve(stage, pause)?;
+        self.say(stage, &format!("the motor is warm; it rests for {pause:.0} s"));
+        let mut rig = bench.0.lend()?;
+        let cycles = (pause / rig.period()).round() as usize;
+        for _ in 0..cycles {
+            rig.measure();
+            rig.apply(0.0)?;
+        }
+        drop(rig);
+        self.left_warm(bench);
+        self.count(pause);
+        Ok(())
+    }
+
+    /// Remembers how warm the winding is.
+    fn left_warm(&self, bench: &Bench) {
+        if let Some(rise) = bench.0.winding_rise() {
+            self.rise.set(rise);
+        }
+    }
+
+    fn count(&mut self, seconds: f64) {
+        self.used += seconds;
+        self.progress.advance(seconds);
+    }
+
+    fn open(&self) -> Result<Opened, CommissionError> {
+        if self.is_stopped() {
+            return Err(RigSetupError::Stopped.into());
+        }
+        let mut opened = self.rig.open(&self.setup)?;
+        if self.encoder_alone {
+            opened.limits = opened.limits.before_calibration();
+            opened.limits.sensors.frozen_cycles = None;
+        }
+        if let Some(expected) = &self.expected {
+            rig_setup::require_device(expected, self.rig, opened.description.as_ref())?;
+        }
+        Ok(opened)
+    }
+}
+
+/// A rig that is open for several turns. Dropped, it leaves zero volts.
+pub struct Bench(BenchRig);
+
+impl Bench {
+    /// What the safety layer allows \[V\].
+    #[must_use]
+    pub const fn voltage_limit(&self) -> f64 {
+        self.0.voltage_limit()
+    }
+
+    /// Period of the cycle \[s\].
+    #[must_use]
+    pub const fn period(&self) -> f64 {
+        self.0.period()
+    }
+}

@@ -1,0 +1,261 @@
+//! The controller of an axis: the loop, and what is fed forward beside it.
+
+use controller::design::LinearDrive;
+use controller::{ControllerOptions, PlantInverse};
+use experiment_runner::compensation::Means;
+use experiment_runner::control_loop::{EPOCH_NS, RunningLoop};
+use experiment_runner::test_bed::TestBed;
+use experiment_runner::waveform::Waveform;
+use friction_ident::statistics::root_mean_square;
+use friction_model::{AnyModel, ModelName, Stribeck, StribeckParameters};
+use friction_observer::{EstimatorOptions, NominalDrive, Technique};
+use rig_driver::SimulationOptions;
+use rig_setup::REST;
+use serde::{Deserialize, Serialize};
+
+use crate::axis::{Axis, Bench, Known};
+use crate::drive::Drive;
+use crate::friction::{Friction, plant};
+use crate::loop_design::{LoopDesign, Plant};
+use crate::model::Chosen;
+use crate::{CommissionError, Stage};
+
+/// Amplitude of the task \[rad\], where the shaft is fast enough.
+const AMPLITUDE: f64 = 0.2;
+/// Share of the fastest steady speed that the task needs.
+const SPEED_SHARE: f64 = 0.4;
+/// Its period \[s\].
+const PERIOD: f64 = 2.0;
+/// Its length, and when it begins to count \[s\].
+const SECONDS: f64 = 6.0;
+const FROM: f64 = 2.0;
+
+/// What is fed forward.
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Serialize,
+    Deserialize,
+    strum::Display,
+    strum::VariantArray,
+)]
+#[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
+pub enum Arm {
+    /// Nothing: the linear gains alone.
+    Linear,
+    /// The reference through the inverse of the drive.
+    Reference,
+    /// And the friction that the reference will meet.
+    Friction,
+}
+
+/// The controller and the friction model of an axis, in every arm.
+#[derive(Debug, Clone, Copy)]
+pub struct Bed {
+    plant: Plant,
+    design: LoopDesign,
+    friction: AnyModel,
+    amplitude: f64,
+    resting_angle: f64,
+}
+
+impl Bed {
+    /// Of what the stages found.
+    ///
+    /// # Errors
+    /// [`CommissionError::Unusable`] for a curve that is no friction.
+    pub fn of(
+        known: &Known,
+        drive: &Drive,
+        (friction, chosen): (&Friction, &Chosen),
+        design: LoopDesign,
+    ) -> Result<Self, CommissionError> {
+        let curve = &chosen.curve;
+        let levels = (curve.f_s.value, curve.f_c.value);
+        let plant = refined(known, drive, chosen);
+        Self::new(plant, design, levels, (curve.v_s.value, 2.0), amplitude(friction))
+    }
+
+    /// Of a plant, the static and the kinetic level \[V\], velocity [rad/s] and shape of the dip, and
+    /// the amplitude of the task \[rad\].
+    ///
+    /// # Errors
+    /// [`CommissionError::Unusable`] for a curve that is no friction.
+    pub fn new(
+        plant: Plant,
+        design: LoopDesign,
+        (f_s, f_c): (f64, f64),
+        (v_s, delta): (f64, f64),
+        amplitude: f64,
+    ) -> Result<Self, CommissionError> {
+        // Viscous friction is in the gain of the drive.
+        let parameters = StribeckParameters { f_s, f_c, v_s, delta, f_v: 0.0 };
+        let friction = Stribeck::try_from(parameters).map_err(|error| {
+            CommissionError::Unusable { stage: Stage::Control, why: error.to_string() }
+        })?;
+        Ok(Self {
+            plant,
+            design,
+            friction: AnyModel::Stribeck(friction),
+            amplitude,
+            resting_angle: 0.0,
+        })
+    }
+
+    /// The same with an integral that stands still up to that error \[rad\] while the reference
+    /// does.
+    #[must_use]
+    pub const fn resting(self, resting_angle: f64) -> Self {
+        Self { resting_angle, ..self }
+    }
+
+    /// The same with another loop.
+    #[must_use]
+    pub const fn with(self, design: LoopDesign) -> Self {
+        Self { design, ..self }
+    }
+
+    /// The loop.
+    #[must_use]
+    pub const fn design(&self) -> &LoopDesign {
+        &self.design
+    }
+
+    /// The plant that it is for.
+    #[must_use]
+    pub const fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// Error up to which the integral stands still while the reference does \[rad\].
+    #[must_use]
+    pub const fn resting_angle(&self) -> f64 {
+        self.resting_angle
+    }
+
+    /// Angle of one count \[rad\].
+    #[must_use]
+    pub const fn encoder_step(&self) -> f64 {
+        self.plant.encoder_step
+    }
+
+    /// The friction model; its forces are volts.
+    #[must_use]
+    pub const fn friction(&self) -> &AnyModel {
+        &self.friction
+    }
+
+    /// Controller and estimator of an arm.
+    #[must_use]
+    pub fn settings(&self, arm: Arm) -> (ControllerOptions, EstimatorOptions) {
+        let mut controller = self.design.controller(&self.plant);
+        // Friction is told in volts: one of them overcomes one of them.
+        controller.compensation.volts_per_newton_metre = 1.0;
+        controller.resting_angle = self.resting_angle;
+        controller.compensation.scale = 1.0;
+        controller.compensation.enabled = arm == Arm::Friction;
+        controller.inverse = match arm {
+            Arm::Linear => PlantInverse::Off,
+            Arm::Reference | Arm::Friction => PlantInverse::Whole(self.plant.drive),
+        };
+        let LinearDrive { gain, time_constant } = self.plant.drive;
+        let drive = NominalDrive { gain, time_constant, volts_per_newton_metre: 1.0 };
+        let technique = Technique::Feedforward;
+        (controller, EstimatorOptions { technique, drive, ..EstimatorOptions::default() })
+    }
+
+    /// One try of an arm: the root mean square error \[rad\].
+    ///
+    /// # Errors
+    /// [`CommissionError`] if the rig refuses or the time is up.
+    pub fn try_out(
+        &self,
+        axis: &mut Axis<'_>,
+        bench: &Bench,
+        stage: Stage,
+        arm: Arm,
+    ) -> Result<f64, CommissionError> {
+        let task = Waveform::SinePosition {
+            amplitude: self.amplitude,
+            angular_frequency: std::f64::consts::TAU / PERIOD,
+        };
+        let errors = self.track(axis, bench, stage, arm, task, (FROM, SECONDS))?;
+        Ok(root_mean_square(&errors))
+    }
+
+    /// A smooth move by the task's amplitude, which is then held: what each cycle's encoder misses
+    /// \[rad\], of the part of the time that is asked for.
+    ///
+    /// # Errors
+    /// As for [`try_out`](Self::try_out).
+    pub fn move_and_hold(
+        &self,
+        axis: &mut Axis<'_>,
+        bench: &Bench,
+        stage: Stage,
+        (arm, forward): (Arm, bool),
+        part: (f64, f64),
+    ) -> Result<Vec<f64>, CommissionError> {
+        let task = Waveform::MovePosition {
+            position: if forward { self.amplitude } else { -self.amplitude },
+            at: 0.5,
+            duration: PERIOD,
+        };
+        self.track(axis, bench, stage, arm, task, part)
+    }
+
+    fn track(
+        &self,
+        axis: &mut Axis<'_>,
+        bench: &Bench,
+        stage: Stage,
+        arm: Arm,
+        task: Waveform,
+        part: (f64, f64),
+    ) -> Result<Vec<f64>, CommissionError> {
+        let (controller, estimator) = self.settings(arm);
+        let bed = TestBed {
+            simulation: SimulationOptions {
+                voltage_limit: self.plant.voltage_limit,
+                ..SimulationOptions::default()
+            },
+            friction: AnyModel::test_bed(ModelName::Stribeck),
+            controller,
+            estimator,
+        };
+        let means = (arm == Arm::Friction).then_some(Means::Feedforward);
+        let mode = controller.mode;
+        axis.track(bench, stage, part, |rig| {
+            let running = bed.loop_around(rig, mode, task, &self.friction, means, EPOCH_NS)?;
+            Ok(Box::new(running) as Box<dyn RunningLoop>)
+        })
+    }
+}
+
+/// Amplitude of the task \[rad\].
+#[must_use]
+pub fn amplitude(friction: &Friction) -> f64 {
+    AMPLITUDE.min(SPEED_SHARE * friction.speeds.1 * PERIOD / std::f64::consts::TAU)
+}
+
+/// The plant with the gain of the friction curve, which is the better known; what the excitation
+/// told of the inertia, T/K, stays.
+pub(crate) fn refined(known: &Known, drive: &Drive, chosen: &Chosen) -> Plant {
+    let before = plant(known, drive);
+    let slope = chosen.curve.slope.value;
+    let gain = if slope > 0.0 { 1.0 / slope } else { before.drive.gain };
+    let time_constant = before.drive.time_constant * gain / before.drive.gain;
+    Plant { drive: LinearDrive { gain, time_constant }, ..before }
+}
+
+/// Rig time of one try, with the rest before it \[s\].
+#[must_use]
+pub fn seconds() -> f64 {
+    REST + SECONDS
+}

@@ -1,0 +1,249 @@
+//! Friction: the curve over velocity, in volts, by blocks of constant velocity.
+//!
+//! A block follows one speed forwards and back with the position loop. The mean voltage of a window
+//! less what acts one way only is `u = f_c + (f_s - f_c) exp(-(v/v_s)^2) + v/K`: all forces but
+//! friction and back-EMF are left out by taking half the difference of both directions. After each
+//! block the curve is fitted anew, and [`choice`] says which speed would tell most.
+
+mod block;
+mod choice;
+mod curve;
+mod drift;
+mod menu;
+mod spread;
+pub mod wanted;
+
+use controller::PlantInverse;
+use controller::design::LinearDrive;
+use serde::{Deserialize, Serialize};
+
+pub use block::{Blocks, Point};
+pub use curve::Curve;
+pub(crate) use menu::between;
+
+use self::menu::{MENU, menu, narrowed, rarest, varied};
+
+use crate::axis::{Axis, Known};
+use crate::drive::Drive;
+use crate::friction::wanted::Wanted;
+use crate::loop_design::{LoopDesign, Plant, STEADY, design};
+use crate::meet::Met;
+use crate::{CommissionError, Stage};
+
+/// Blocks that the next stage holds back.
+pub const HELD_BACK: usize = 4;
+/// Blocks with which it begins, spread over the menu; the fastest first, which any shaft follows,
+/// and then to and fro, so that what warms up meanwhile is not taken for something of the speed.
+const FIRST: [usize; 8] = [11, 4, 9, 2, 7, 1, 5, 0];
+/// Largest scatter of the speed over its mean in a block that counts.
+const UNEVEN: f64 = 0.2;
+/// Share of the fastest speed below which such a scatter is from a speed that is too slow.
+const SLOW: f64 = 0.1;
+/// Blocks without steady motion that are tried, in all.
+const FAILED: usize = 12;
+/// Blocks after which what is wanted may be met, and a dip that is not seen is believed not to be
+/// there.
+const ENOUGH: usize = 16;
+/// Predicted shrinking of the worst interval below which another block does not help.
+const WORTH: f64 = 0.01;
+/// Share of the breakaway voltage that is fed forward in motion.
+const KINETIC: f64 = 0.8;
+
+/// Why the stage ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ending {
+    /// Every wanted interval is met.
+    Met,
+    /// No dip is clear of the noise, so that f_s and v_s have no meaning; all else is met.
+    NoDip,
+    /// Another block would narrow the worst interval by less than 1 %.
+    NothingToGain,
+    /// The rig time that the later stages leave is used up.
+    OutOfTime,
+}
+
+/// What was found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Friction {
+    /// The curve.
+    pub curve: Curve,
+    /// Why it ended.
+    pub ending: Ending,
+    /// Speeds of the blocks, in their order [rad/s].
+    pub blocks: Vec<f64>,
+    /// What was measured, as it would be at the end of the stage.
+    pub points: Vec<Point>,
+    /// Relative change of the friction during the stage; none where none is clear.
+    pub change: Option<f64>,
+    /// The slowest and the fastest speed that the shaft follows steadily [rad/s].
+    pub speeds: (f64, f64),
+    /// The loop that followed the speeds.
+    pub followed_by: LoopDesign,
+}
+
+/// What is kept while the stage goes on.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Underway {
+    /// Speeds of the blocks so far [rad/s].
+    pub blocks: Vec<f64>,
+    /// What they measured.
+    pub points: Vec<Point>,
+    /// Speeds that the shaft did not follow steadily [rad/s].
+    #[serde(default)]
+    pub failed: Vec<f64>,
+}
+
+/// The plant that the loop of the stage is designed for.
+#[must_use]
+pub fn plant(known: &Known, drive: &Drive) -> Plant {
+    Plant {
+        drive: LinearDrive { gain: drive.gain.value, time_constant: drive.time_constant.value },
+        delay: drive.delay.value.max(0.0),
+        period: known.period,
+        encoder_step: drive.encoder_step,
+        voltage_limit: known.voltage,
+    }
+}
+
+/// How blocks are measured with that loop.
+#[must_use]
+pub fn blocks(known: &Known, (met, drive): (&Met, &Drive), design: &LoopDesign) -> Blocks {
+    let plant = plant(known, drive);
+    let mut controller = design.controller(&plant);
+    controller.inverse = PlantInverse::Whole(plant.drive);
+    controller.compensation.enabled = true;
+    controller.compensation.volts_per_newton_metre = 1.0;
+    controller.guard = None;
+    Blocks {
+        controller,
+        natural_frequency: design.natural_frequency,
+        friction: KINETIC * met.deadband,
+        inertia: plant.drive.time_constant / plant.drive.gain,
+        encoder_step: plant.encoder_step,
+    }
+}
+
+/// Does the stage from what is underway on; `keep` is told after each block. `later` seconds are
+/// left for the stages behind it.
+///
+/// # Errors
+/// [`CommissionError`] if the rig refuses, the time does not do for the first blocks, or the points
+/// are no friction.
+pub fn friction(
+    axis: &mut Axis<'_>,
+    (known, met, drive): (&Known, &Met, &Drive),
+    wanted: &Wanted,
+    later: f64,
+    mut underway: Underway,
+    mut keep: impl FnMut(&Underway, f64) -> Result<(), CommissionError>,
+) -> Result<Friction, CommissionError> {
+    let plant = plant(known, drive);
+    let followed_by = design(&plant, STEADY, Stage::Friction)?;
+    let measured = blocks(known, (met, drive), &followed_by);
+    let whole = menu(known, met, drive)?;
+    let later = later + HELD_BACK as f64 * measured.seconds(whole[MENU / 3]);
+    let bench = axis.bench()?;
+    let mut curve = None;
+    let ending = loop {
+        let menu = narrowed(&whole, &underway);
+        let next = match FIRST.get(underway.points.len()) {
+            Some(&first) => menu[first],
+            None => {
+                let fitted = fitted(&underway.points)?;
+                let choice = choice::next(&fitted, &underway.points, wanted, &menu);
+                // So many that each speed is there more than once, or near another.
+                let done = wanted.missing(&fitted).is_empty() && underway.points.len() >= ENOUGH;
+                curve = Some(fitted);
+                if done {
+                    break Ending::Met;
+                }
+                let all_else = || wanted.without_dip().missing(&fitted).is_empty();
+                if !fitted.dips && underway.blocks.len() >= ENOUGH && all_else() {
+                    break Ending::NoDip;
+                }
+                if choice.gain < WORTH && underway.points.len() >= ENOUGH {
+                    break Ending::NothingToGain;
+                }
+                if axis.left() < later + measured.seconds(menu[0]) {
+                    break Ending::OutOfTime;
+                }
+                // Every other block is where the fewest are: what is wrong with the curve shows there.
+                if underway.blocks.len() % 2 == 1 {
+                    rarest(&menu, &underway.points)
+                } else {
+                    choice.velocity
+                }
+            }
+        };
+        axis.say(Stage::Friction, &said(underway.blocks.len() + 1, next, curve.as_ref()));
+        let next = varied(next, underway.blocks.len());
+        match measured.measure(axis, &bench, Stage::Friction, next)? {
+            Some(point) => {
+                if point.uneven > UNEVEN && point.velocity < SLOW * whole[MENU - 1] {
+                    underway.failed.push(next);
+                }
+                underway.points.push(point);
+            }
+            None => underway.failed.push(next),
+        }
+        underway.blocks.push(next);
+        if underway.failed.len() > FAILED && underway.points.len() < FIRST.len() {
+            return Err(unsteady(&underway));
+        }
+        keep(&underway, axis.used())?;
+    };
+    let curve = match curve {
+        Some(curve) => curve,
+        None => fitted(&underway.points)?,
+    };
+    let menu = narrowed(&whole, &underway);
+    let Underway { blocks, points, .. } = underway;
+    let drift::Drift { points, change } = drift::now(&even(&points));
+    let speeds = (menu[0], menu[MENU - 1]);
+    Ok(Friction { curve, ending, blocks, points, change, speeds, followed_by })
+}
+
+/// The curve of what was measured, as it is now.
+fn fitted(points: &[Point]) -> Result<Curve, CommissionError> {
+    let points = drift::now(&even(points)).points;
+    let curve = Curve::of(&points)?;
+    let again = |points: &[Point]| {
+        if curve.dips {
+            Curve::of(points).ok().filter(|curve| curve.dips)
+        } else {
+            Curve::straight(points)
+        }
+    };
+    Ok(spread::widened(curve, &points, again))
+}
+
+/// The points at which the shaft turned evenly; all of them where these are too few.
+fn even(points: &[Point]) -> Vec<Point> {
+    let even: Vec<Point> = points.iter().filter(|point| point.uneven <= UNEVEN).copied().collect();
+    if even.len() >= FIRST.len() { even } else { points.to_vec() }
+}
+
+/// The shaft follows no speed steadily.
+fn unsteady(underway: &Underway) -> CommissionError {
+    let fastest = underway.failed.iter().copied().fold(0.0, f64::max);
+    CommissionError::Unusable {
+        stage: Stage::Friction,
+        why: format!(
+            "of {} blocks only {} turned steadily, and at {fastest:.3} rad/s the shaft still stuck and slipped; a higher voltage limit allows faster ones, and `frictionlab identify-stiction` tells friction from sticking",
+            underway.blocks.len(),
+            underway.points.len()
+        ),
+    }
+}
+
+/// Block, speed, and how far the intervals are.
+fn said(block: usize, velocity: f64, curve: Option<&Curve>) -> String {
+    let so_far = curve.map_or_else(String::new, |curve| {
+        let width = |ranged: crate::Ranged| {
+            ranged.relative().map_or("open".to_owned(), |share| format!("{:.1} %", 100.0 * share))
+        };
+        format!(", f_c ±{} v_s ±{}", width(curve.f_c), width(curve.v_s))
+    });
+    format!("block {block}, {velocity:.2} rad/s{so_far}")
+}

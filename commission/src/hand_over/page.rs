@@ -1,0 +1,132 @@
+//! `report.html` as data: one part for whoever decides, one for whoever wants to know.
+
+use friction_ident::statistics::root_mean_square;
+use report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace};
+use report::numbers::significant;
+
+use super::Found;
+use super::summary::{arm, drift, ending, proved, rest};
+use crate::Ranged;
+use crate::friction::wanted::Wanted;
+
+/// The page.
+pub(super) fn page(found: &Found, wanted: &Wanted) -> Page {
+    let text = |text: String| Block::Text(text);
+    let friction = &found.friction;
+    let mut blocks = vec![
+        Block::Heading("In short".to_owned()),
+        text(format!("Proof: {}.", proved(found))),
+        text(format!("Fed forward: {}.", arm(found.control.arm))),
+        text(format!("At rest: {}.", rest(found))),
+        text(format!("Friction: {}.", ending(friction.ending, friction.blocks.len(), wanted))),
+        text("Start the loop with parameters.yaml. Repeat the commission after work on the bearings, the gear or the load, and when the axis runs warmer or colder than today.".to_owned()),
+    ];
+    blocks.extend(friction.change.map(|change| Block::Note(format!("Drift: {}.", drift(change)))));
+    blocks
+        .extend(found.met.corrected.iter().map(|said| Block::Note(format!("Put right: {said}."))));
+    blocks.extend([
+        Block::Heading("What was found".to_owned()),
+        table(found),
+        Block::Figure(curve(found)),
+        Block::Heading("Control".to_owned()),
+        arms(found),
+        text(format!(
+            "All arms have the same loop: K_p {}, K_i {}, K_d {}, sensitivity peak {}, {} V of noise from the encoder's steps. They differ in what the reference adds, so that robustness and noise are equal. Techniques that feed a model's estimate back are not tried here: `frictionlab run compensation` compares them.",
+            significant(found.control.design.gains.k_p, 4),
+            significant(found.control.design.gains.k_i, 4),
+            significant(found.control.design.gains.k_d, 4),
+            significant(found.control.design.sensitivity_peak, 3),
+            significant(found.control.design.noise, 2)
+        )),
+        text("Not measured: pre-sliding stiffness, frictional lag, dependence on the position, torque in N m. `frictionlab run characterise` and `frictionlab identify` measure them.".to_owned()),
+    ]);
+    Page {
+        title: "Commission".to_owned(),
+        subtitle: format!(
+            "{}, {:.0} s of rig time, voltage and encoder alone; frictionlab {}",
+            found.rig,
+            found.seconds,
+            env!("CARGO_PKG_VERSION")
+        ),
+        blocks,
+    }
+}
+
+fn of(title: &str, caption: &str, columns: &[&str], rows: Vec<Vec<String>>) -> Block {
+    let columns = columns.iter().map(|&column| column.to_owned()).collect();
+    let (title, caption) = (title.to_owned(), caption.to_owned());
+    Block::Table(Table { title, caption, columns, rows, highlight: None })
+}
+
+fn table(found: &Found) -> Block {
+    let curve = &found.chosen.curve;
+    let end = |end: Option<f64>| end.map_or("open".to_owned(), |end| significant(end, 4));
+    let row = |name: &str, unit: &str, ranged: &Ranged| {
+        vec![
+            name.to_owned(),
+            significant(ranged.value, 4),
+            unit.to_owned(),
+            end(ranged.low),
+            end(ranged.high),
+        ]
+    };
+    let rows = vec![
+        row("gain K, bearings included", "rad/s per V", &found.drive.gain),
+        row("time constant T", "s", &found.drive.time_constant),
+        row("delay", "s", &found.drive.delay),
+        row("Coulomb friction f_c", "V", &curve.f_c),
+        row("static friction f_s", "V", &curve.f_s),
+        row("Stribeck velocity v_s", "rad/s", &curve.v_s),
+        row("back-EMF and viscous friction, 1/K", "V s/rad", &curve.slope),
+    ];
+    of(
+        "Parameters",
+        "With 95 % intervals. Friction is told in volts at the motor.",
+        &["parameter", "value", "unit", "low", "high"],
+        rows,
+    )
+}
+
+fn arms(found: &Found) -> Block {
+    let row = |(arm, errors): &(crate::bed::Arm, Vec<f64>)| {
+        vec![arm.to_string(), significant(1e3 * root_mean_square(errors), 3)]
+    };
+    of(
+        "What is fed forward",
+        "Root mean square error of a slow sine with reversals, by the encoder.",
+        &["arm", "error [mrad]"],
+        found.control.errors.iter().map(row).collect(),
+    )
+}
+
+fn curve(found: &Found) -> Figure {
+    let points = &found.friction.points;
+    let fastest = points.iter().map(|point| point.velocity).fold(0.0, f64::max);
+    let slowest = points.iter().map(|point| point.velocity).fold(fastest, f64::min);
+    let velocities: Vec<f64> =
+        (0..=100).map(|i| slowest * (fastest / slowest).powf(f64::from(i) / 100.0)).collect();
+    let less = |velocity: f64| found.chosen.curve.slope.value * velocity;
+    let held_back = &found.chosen.held_back;
+    let of = |name: &str, points: &[crate::friction::Point]| Trace::Points {
+        name: name.to_owned(),
+        x: points.iter().map(|point| point.velocity).collect(),
+        y: points.iter().map(|point| point.volts - less(point.velocity)).collect(),
+        error: None,
+    };
+    let fitted = Trace::Line {
+        name: "curve".to_owned(),
+        y: velocities.iter().map(|&v| found.chosen.curve.volts(v) - less(v)).collect(),
+        x: velocities,
+        style: LineStyle::Solid,
+    };
+    Figure {
+        title: "Friction over speed".to_owned(),
+        caption: "Voltage less what the slope 1/K takes. The points that were held back had no part in the curve.".to_owned(),
+        x_label: "speed [rad/s]".to_owned(),
+        log_x: true,
+        panels: vec![Panel {
+            y_label: "friction [V]".to_owned(),
+            traces: vec![of("measured", points), of("held back", held_back), fitted],
+        }],
+    }
+}

@@ -1,0 +1,138 @@
+//! What the terminal shows: before anything moves, and at the end.
+
+use std::fmt::Write;
+
+use report::numbers::{percent, significant};
+
+use super::Found;
+use crate::axis::Known;
+use crate::bed::Arm;
+use crate::friction::Ending;
+use crate::friction::wanted::Wanted;
+
+/// What is believed of a rig before it moves.
+#[must_use]
+pub fn believed(rig: &str, known: &Known, minutes: f64) -> String {
+    let mut text = format!("rig       {rig}\n");
+    // Writing to a string cannot fail.
+    if let Some(about) = &known.about {
+        let _ = writeln!(text, "device    {about}");
+    }
+    let _ = writeln!(
+        text,
+        "limits    {} V, {} rad/s, held by the safety layer at every moment",
+        significant(known.voltage, 3),
+        significant(known.velocity, 3)
+    );
+    let _ = writeln!(text, "cycle     {} ms", significant(1e3 * known.period, 3));
+    let _ = writeln!(text, "used      the motor's voltage and the encoder; no other sensor");
+    let _ = writeln!(
+        text,
+        "motion    the shaft turns both ways, several times round, for at most {minutes} min; ctrl-C ends it at zero volts"
+    );
+    text
+}
+
+/// The result in a few lines.
+#[must_use]
+pub fn summary(found: &Found, wanted: &Wanted) -> String {
+    let Found { drive, friction, chosen, control, .. } = found;
+    let curve = &chosen.curve;
+    let mut text = String::new();
+    let mut row = |name: &str, value: String| {
+        let _ = writeln!(text, "{name:<14}  {value}");
+    };
+    for said in &found.met.corrected {
+        row("put right", said.clone());
+    }
+    row("gain", drive.gain.said("rad/s per V"));
+    row("time constant", drive.time_constant.said("s"));
+    row("f_c", curve.f_c.said("V"));
+    row("f_s", curve.f_s.said("V"));
+    row("v_s", curve.v_s.said("rad/s"));
+    row("friction", ending(friction.ending, friction.blocks.len(), wanted));
+    if let Some(change) = friction.change {
+        row("drift", drift(change));
+    }
+    row("model", chosen.kind.to_string());
+    row(
+        "loop",
+        format!(
+            "natural frequency {} rad/s, sensitivity peak {}",
+            significant(control.design.natural_frequency, 3),
+            significant(control.design.sensitivity_peak, 3)
+        ),
+    );
+    row("fed forward", arm(control.arm).to_owned());
+    row("at rest", rest(found));
+    row("proof", proved(found));
+    row("rig time", format!("{:.0} s", found.seconds));
+    text
+}
+
+/// Why the friction stage ended, and what is still wanted.
+pub(super) fn ending(ending: Ending, blocks: usize, wanted: &Wanted) -> String {
+    match ending {
+        Ending::Met => format!("every wanted interval is met ({wanted}) after {blocks} blocks"),
+        Ending::NoDip => format!(
+            "no dip is clear of the noise after {blocks} blocks, so that f_s and v_s have no meaning; all else that was wanted is met ({wanted})"
+        ),
+        Ending::NothingToGain => format!(
+            "not every wanted interval is met ({wanted}), but after {blocks} blocks another would narrow them by less than 1 %: a finer encoder, or a longer characterisation (`frictionlab run characterise`) helps"
+        ),
+        Ending::OutOfTime => format!(
+            "not every wanted interval is met ({wanted}): the time was up after {blocks} blocks; `--resume FOLDER --from friction` with more --minutes goes on"
+        ),
+    }
+}
+
+/// What an arm is, in words.
+pub(super) const fn arm(arm: Arm) -> &'static str {
+    match arm {
+        Arm::Linear => "nothing: the linear gains alone did as well",
+        Arm::Reference => "the reference, through the inverse of the drive",
+        Arm::Friction => "the reference through the inverse of the drive, and its friction",
+    }
+}
+
+/// Whether the shaft rests after a move.
+pub(super) fn rest(found: &Found) -> String {
+    let angle = 1e3 * found.control.resting_angle;
+    match (found.control.rests, angle > 0.0) {
+        (true, false) => "after a move the shaft rests".to_owned(),
+        (true, true) => format!(
+            "after a move the shaft rests, with an integral that stands still up to {} mrad of error (`resting_angle`); without that it hunts",
+            significant(angle, 3)
+        ),
+        (false, _) => format!(
+            "after a move the shaft still hunts, with an integral that stands still up to {} mrad of error: lower pid.k_i, or a larger resting_angle, ends it",
+            significant(angle, 3)
+        ),
+    }
+}
+
+/// How friction changed while it was measured.
+pub(super) fn drift(change: f64) -> String {
+    format!(
+        "friction changed by {} while it was measured, as a drive that warms up does; it is told as it was at the end",
+        percent(100.0 * change, 1)
+    )
+}
+
+/// What the proof says.
+pub(super) fn proved(found: &Found) -> String {
+    match found.proof.ratio {
+        None => "nothing was added to the linear gains, so there was nothing to prove".to_owned(),
+        Some(ratio) => {
+            let share =
+                |end: Option<f64>| end.map_or("?".to_owned(), |end| percent(100.0 * end, 1));
+            format!(
+                "the tracking error is {} of what the linear gains alone leave (95 % interval {} to {}, {} pairs)",
+                percent(100.0 * ratio.value, 1),
+                share(ratio.low),
+                share(ratio.high),
+                found.proof.pairs.len()
+            )
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! Meet: signs, zeros, noise, and the voltages that just move the shaft.
+//!
+//! The steps are those of `frictionlab rig calibrate` ([`rig_setup::run_procedure`]): at rest, slow
+//! ramps of voltage from zero until the encoder moves, then steady voltages above that.
+
+use rig_driver::Calibration;
+use rig_setup::{Level, Procedure, RigDescription, run_procedure};
+use serde::{Deserialize, Serialize};
+
+use crate::axis::{Axis, Known};
+use crate::{CommissionError, Stage};
+
+/// Time in which a ramp would reach the voltage limit \[s\].
+const RAMP: f64 = 12.0;
+/// Highest voltage of the stage, as a share of the limit.
+const SHARE: f64 = 0.95;
+/// Highest steady voltage above the one that moves the shaft, as a share of the limit.
+const ABOVE: f64 = 0.25;
+/// Where a ramp begins that is not the first, as a share of what moved the shaft before.
+const AGAIN: f64 = 0.6;
+/// Share of the speed limit that the stage stays below.
+const SPEED_SHARE: f64 = 0.6;
+/// Steady voltages in each direction.
+const LEVELS: u32 = 5;
+/// Longest time of the stage that is usual \[s\].
+const SECONDS: f64 = 90.0;
+/// The slowest speed at the highest voltage from which a slope can be told [rad/s].
+const SLOWEST: f64 = 1e-3;
+
+/// What was found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Met {
+    /// What the device says of itself.
+    pub description: Option<RigDescription>,
+    /// What puts the readings right.
+    pub calibration: Calibration,
+    /// Whether the tachometer shows the motion; nothing depends on it.
+    pub tachometer: bool,
+    /// Whether the torque sensor shows the friction; nothing depends on it.
+    pub torque: bool,
+    /// Voltage that just moves the shaft, the larger of both directions \[V\].
+    pub deadband: f64,
+    /// Volts per speed above the deadband, roughly [V s/rad].
+    pub slope: f64,
+    /// Noise of the tachometer \[rad/s\].
+    pub tachometer_noise: f64,
+    /// What was not as expected and is put right.
+    pub corrected: Vec<String>,
+}
+
+/// Does the stage.
+///
+/// # Errors
+/// [`CommissionError`] if the rig refuses, does not move, or shows what no wiring explains.
+pub fn meet(axis: &mut Axis<'_>, known: &Known) -> Result<Met, CommissionError> {
+    axis.reserve(Stage::Meet, SECONDS)?;
+    let volts = SHARE * known.voltage;
+    let procedure = Procedure {
+        ramp: known.voltage / RAMP,
+        again: AGAIN,
+        above: Some(ABOVE * known.voltage),
+        fastest: Some(SPEED_SHARE * known.velocity),
+        levels: LEVELS,
+        ..Procedure::default()
+    };
+    let found = axis.session(volts, |session, say| run_procedure(session, &procedure, say))?;
+    let deadband = found.deadband_forward.value.max(found.deadband_backward.value);
+    let slope = slope(&found.levels).ok_or_else(|| CommissionError::Unusable {
+        stage: Stage::Meet,
+        why: format!(
+            "the speed hardly changes up to {volts} V, so that nothing can be said of the drive; `frictionlab rig check --max-volts V` shows what more does"
+        ),
+    })?;
+    // A sensor that is not there is nothing to be put right.
+    let there = |what: &str| match what {
+        "tachometer gain" => found.tachometer_gain.is_some(),
+        "torque sign" => found.torque_sign.is_some(),
+        _ => true,
+    };
+    let corrected = found
+        .verdicts()
+        .into_iter()
+        .filter(|verdict| there(verdict.what))
+        .filter_map(|verdict| Some(format!("{}: {}", verdict.what, verdict.wrong?)))
+        .collect();
+    Ok(Met {
+        description: known.description.clone(),
+        calibration: found.calibration(),
+        tachometer: found.tachometer_gain.is_some(),
+        torque: found.torque_sign.is_some(),
+        deadband,
+        slope,
+        tachometer_noise: found.tachometer_residual,
+        corrected,
+    })
+}
+
+/// Volts per speed between the lowest and the highest steady voltage.
+fn slope(levels: &[Level]) -> Option<f64> {
+    // Both directions of a level, so that a load that helps one way does not count.
+    let mean = |pair: &[Level]| match pair {
+        [a, b] => Some((0.5 * (a.volts - b.volts).abs(), 0.5 * (a.velocity - b.velocity).abs())),
+        _ => None,
+    };
+    let points: Vec<(f64, f64)> = levels.chunks(2).filter_map(mean).collect();
+    let (low, high) = (points.first()?, points.last()?);
+    let speed = high.1 - low.1;
+    let slope = (high.0 - low.0) / speed;
+    (speed > SLOWEST && slope > 0.0 && slope.is_finite()).then_some(slope)
+}

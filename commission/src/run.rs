@@ -1,0 +1,158 @@
+//! All stages in order, from the first that is not done.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use rig_setup::{RigChoice, RigSetup};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use work::progress::Progress;
+
+use crate::axis::{Axis, Known};
+use crate::bed::Bed;
+use crate::control::{self, Control};
+use crate::dossier::Identity;
+use crate::drive::{self, Drive};
+use crate::friction::wanted::Wanted;
+use crate::friction::{self, Friction};
+use crate::hand_over::{self, Found};
+use crate::meet::{self, Met};
+use crate::model::{self, Chosen};
+use crate::proof::{self, Proof};
+use crate::{CommissionError, Dossier, Stage};
+
+/// Rig time that is left for pauses, in which a warm motor rests \[s\].
+const SPARE: f64 = 15.0;
+
+/// What is asked of a commission.
+#[derive(Debug, Clone)]
+pub struct Asked {
+    /// The rig.
+    pub rig: RigChoice,
+    /// What it is opened with.
+    pub setup: RigSetup,
+    /// How well the friction is to be known.
+    pub wanted: Wanted,
+    /// Rig time that may be used, that of before included \[s\].
+    pub allowed: f64,
+}
+
+/// What a commission came to.
+#[derive(Debug)]
+pub struct Outcome {
+    /// What was found.
+    pub found: Found,
+    /// The document `commission.json`.
+    pub document: String,
+}
+
+/// Opens the rig once, looks at it and says whose folder this is. Nothing moves.
+///
+/// # Errors
+/// [`CommissionError`] for a rig that is not there, limits that contradict each other, or a rig
+/// that this command does not drive.
+pub fn look(asked: &Asked) -> Result<Known, CommissionError> {
+    if asked.setup.limits.travel.is_some() {
+        return Err(CommissionError::Asked(
+            "the travel of this rig is limited, and a commission turns the shaft several times round; measure with `frictionlab run drive-excitation` and `frictionlab run pre-sliding`, which stay within a travel".to_owned(),
+        ));
+    }
+    let progress = Progress::new(1.0, true);
+    Axis::new(&asked.rig, asked.setup, Arc::default(), &progress, (0.0, 0.0)).look()
+}
+
+/// Does the stages that the folder does not have yet, and keeps each.
+///
+/// # Errors
+/// [`CommissionError`]; the motor is at zero volts and what was done is kept.
+pub fn run(
+    asked: &Asked,
+    known: &Known,
+    dossier: &Dossier,
+    stop: &Arc<AtomicBool>,
+    progress: &Progress,
+) -> Result<Outcome, CommissionError> {
+    let used = used(dossier)?;
+    let mut axis =
+        Axis::new(&asked.rig, asked.setup, Arc::clone(stop), progress, (asked.allowed, used));
+    axis.drive_only(known.description.clone());
+
+    let met: Met = stage(dossier, Stage::Meet, &mut axis, |axis| meet::meet(axis, known))?;
+    axis.calibrate(met.calibration);
+    if !(met.tachometer && met.torque) {
+        axis.trust_the_encoder_alone();
+    }
+    let drive: Drive =
+        stage(dossier, Stage::Drive, &mut axis, |axis| drive::drive(axis, known, &met))?;
+    let parts = (known, &met, &drive);
+    let friction: Friction = stage(dossier, Stage::Friction, &mut axis, |axis| {
+        let (underway, before) = dossier.underway()?;
+        let begun = axis.used() - before;
+        let later = control::seconds_needed() + proof::seconds_needed() + SPARE;
+        friction::friction(axis, parts, &asked.wanted, later, underway, |blocks, used| {
+            dossier.keep_underway(blocks, used - begun)
+        })
+    })?;
+    let chosen: Chosen =
+        stage(dossier, Stage::Model, &mut axis, |axis| model::model(axis, parts, &friction))?;
+    let control: Control = stage(dossier, Stage::Control, &mut axis, |axis| {
+        control::control(axis, (known, &drive), (&friction, &chosen), proof::seconds_needed())
+    })?;
+    let bed = Bed::of(known, &drive, (&friction, &chosen), control.design)?
+        .resting(control.resting_angle);
+    let proof: Proof =
+        stage(dossier, Stage::Proof, &mut axis, |axis| proof::proof(axis, &bed, control.arm))?;
+
+    let seconds = axis.used();
+    let rig = asked.rig.to_string();
+    let found = Found { rig, seconds, met, drive, friction, chosen, control, proof };
+    let document = hand_over::write(dossier, known, &found, &bed, &asked.wanted)?;
+    Ok(Outcome { found, document })
+}
+
+/// What the folder has of a stage, else what `work` finds, kept.
+fn stage<'a, T: Serialize + DeserializeOwned>(
+    dossier: &Dossier,
+    stage: Stage,
+    axis: &mut Axis<'a>,
+    work: impl FnOnce(&mut Axis<'a>) -> Result<T, CommissionError>,
+) -> Result<T, CommissionError> {
+    if let Some((found, _)) = dossier.found(stage)? {
+        return Ok(found);
+    }
+    // The blocks of a friction stage that was stopped are counted as used already.
+    let before = if stage == Stage::Friction { dossier.underway()?.1 } else { 0.0 };
+    let begun = axis.used();
+    let found = work(axis)?;
+    dossier.keep(stage, before + axis.used() - begun, &found)?;
+    Ok(found)
+}
+
+/// Rig time that the folder tells of \[s\].
+fn used(dossier: &Dossier) -> Result<f64, CommissionError> {
+    let mut seconds = 0.0;
+    for stage in dossier.done().into_iter().filter(|stage| *stage != Stage::HandOver) {
+        let kept: Option<(serde_json::Value, f64)> = dossier.found(stage)?;
+        seconds += kept.map_or(0.0, |(_, seconds)| seconds);
+    }
+    if !dossier.done().contains(&Stage::Friction) {
+        seconds += dossier.underway()?.1;
+    }
+    Ok(seconds)
+}
+
+/// Whose folder a commission of this rig is, as far as it is `known`: before it is opened only its
+/// address is.
+#[must_use]
+pub fn identity(
+    asked: &Asked,
+    known: Option<&Known>,
+    simulated: Option<crate::dossier::Simulated>,
+) -> Identity {
+    Identity {
+        rig: asked.rig.to_string(),
+        description: known.and_then(|known| known.description.clone()),
+        limits: asked.setup.limits,
+        simulated,
+    }
+}

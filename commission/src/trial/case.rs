@@ -1,0 +1,232 @@
+//! One machine: commissioned, and what came of it held against what it is.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use machine_rig::{Machine, Peaks, forget, peaks};
+use rig_setup::{RigChoice, RigSetup};
+use serde::Serialize;
+use work::progress::Progress;
+
+use super::finish::{Finish, finish};
+use super::truth::{Truth, truth};
+use crate::axis::{Axis, Known};
+use crate::bed::{Arm, Bed, amplitude};
+use crate::friction::wanted::{CurveParameter, Wanted};
+use crate::hand_over::Found;
+use crate::loop_design::{Plant, QUICK, design};
+use crate::run::identity;
+use crate::{Asked, CommissionError, Dossier, Stage};
+
+/// A parameter that was found, beside the truth.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Held {
+    /// Which.
+    pub parameter: CurveParameter,
+    /// What was found.
+    pub value: f64,
+    /// Its interval, where it has one.
+    pub interval: Option<(f64, f64)>,
+    /// The truth while it was measured, from and to.
+    pub truth: (f64, f64),
+    /// Whether the interval holds some of it.
+    pub holds: bool,
+}
+
+/// What came of a machine that was commissioned.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Commissioned {
+    /// Rig time \[s\].
+    pub seconds: f64,
+    /// What is fed forward.
+    pub arm: Arm,
+    /// Why the friction stage ended.
+    pub ending: crate::friction::Ending,
+    /// Parameters that have intervals.
+    pub held: Vec<Held>,
+    /// What the hand-over does on the task; none where the safety layer stopped it.
+    pub handed_over: Option<Finish>,
+    /// What whoever knows the plant does there, likewise.
+    pub oracle: Option<Finish>,
+}
+
+/// A machine of the trial.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Case {
+    /// Its name.
+    pub name: String,
+    /// Its friction model.
+    pub friction: String,
+    /// What came of it.
+    pub commissioned: Option<Commissioned>,
+    /// Otherwise the stage that ended it, and what it said.
+    pub refused: Option<(Stage, String)>,
+    /// The farthest that it was driven.
+    pub peaks: Peaks,
+    /// Voltage and speed that were allowed.
+    pub limits: (f64, f64),
+}
+
+/// The most by which a shaft may run past its speed limit before the safety layer has it: what a
+/// cycle of full voltage adds, and noise.
+const PAST: f64 = 1.1;
+
+impl Case {
+    /// Whether voltage or speed went past what was allowed.
+    #[must_use]
+    pub fn broke_limits(&self) -> bool {
+        self.peaks.voltage > self.limits.0 * 1.001 + 0.5 * self.limits.0 / 128.0
+            || self.peaks.velocity > PAST * self.limits.1
+    }
+}
+
+/// Commissions `machine`; its file and its folder of results are in `folder`.
+///
+/// # Errors
+/// [`CommissionError`] if something cannot be written, or the trial itself cannot go on.
+pub fn case(
+    machine: &Machine,
+    file: &Path,
+    folder: &Path,
+    wanted: &Wanted,
+    allowed: f64,
+    stop: &Arc<AtomicBool>,
+) -> Result<Case, CommissionError> {
+    let place = file.display().to_string();
+    forget(&place);
+    let rig: RigChoice = format!("machine:{place}")
+        .parse()
+        .map_err(|error| CommissionError::Asked(format!("{error}")))?;
+    // The user's file has the limits that the maker of the machine gives.
+    let setup = RigSetup { limits: machine.limits, ..RigSetup::default() };
+    let asked = Asked { rig, setup, wanted: wanted.clone(), allowed };
+    let limits = (
+        machine.limits.voltage.unwrap_or(machine.voltage_range),
+        machine.limits.velocity.unwrap_or(f64::INFINITY),
+    );
+    let mut case = Case {
+        name: machine.name.clone(),
+        friction: machine.friction.name().to_string(),
+        commissioned: None,
+        refused: None,
+        peaks: Peaks::default(),
+        limits,
+    };
+    let known = match crate::run::look(&asked) {
+        Ok(known) => known,
+        Err(error) => {
+            case.refused = Some((Stage::Meet, error.to_string()));
+            return Ok(case);
+        }
+    };
+    let dossier = Dossier::begin(folder, &identity(&asked, Some(&known), None))?;
+    // Of an earlier trial in the same folder.
+    dossier.forget_from(Stage::Meet)?;
+    let outcome = crate::run::run(&asked, &known, &dossier, stop, &Progress::new(allowed, true));
+    case.peaks = peaks(&place).unwrap_or_default();
+    match outcome {
+        Ok(outcome) => {
+            case.commissioned = Some(judge(machine, &asked, &known, &outcome.found, stop)?);
+        }
+        Err(error) if error.is_stopped() => return Err(error),
+        Err(error) => {
+            let done = dossier.done().len();
+            let stage = Stage::ALL.get(done).copied().unwrap_or(Stage::HandOver);
+            case.refused = Some((stage, error.to_string()));
+        }
+    }
+    forget(&place);
+    Ok(case)
+}
+
+fn judge(
+    machine: &Machine,
+    asked: &Asked,
+    known: &Known,
+    found: &Found,
+    stop: &Arc<AtomicBool>,
+) -> Result<Commissioned, CommissionError> {
+    // Meet and drive come before the friction stage; what warms up goes on meanwhile.
+    let (early, late) = (truth(machine, 0.0), truth(machine, found.seconds));
+    let held = held(found, &early, &late);
+    let progress = Progress::new(1.0, true);
+    let allowed = f64::INFINITY;
+    let mut axis = Axis::new(&asked.rig, asked.setup, Arc::clone(stop), &progress, (allowed, 0.0));
+    axis.calibrate(found.met.calibration);
+    if !(found.met.tachometer && found.met.torque) {
+        axis.trust_the_encoder_alone();
+    }
+    let bed = Bed::of(known, &found.drive, (&found.friction, &found.chosen), found.control.design)?
+        .resting(found.control.resting_angle);
+    let arm = found.control.arm;
+    let handed_over = stopped(finish(&mut axis, &bed, arm))?;
+    let oracle = stopped(oracle(&mut axis, machine, known, (&late, amplitude(&found.friction))))?;
+    Ok(Commissioned {
+        seconds: found.seconds,
+        arm: found.control.arm,
+        ending: found.friction.ending,
+        held,
+        handed_over,
+        oracle,
+    })
+}
+
+/// What the safety layer stopped is none; what the user stopped ends the trial.
+fn stopped(tried: Result<Finish, CommissionError>) -> Result<Option<Finish>, CommissionError> {
+    match tried {
+        Err(error) if error.is_stopped() => Err(error),
+        tried => Ok(tried.ok()),
+    }
+}
+
+fn held(found: &Found, early: &Truth, late: &Truth) -> Vec<Held> {
+    let curve = &found.chosen.curve;
+    let all = [CurveParameter::FC, CurveParameter::FS, CurveParameter::VS, CurveParameter::Slope];
+    let one = |parameter: CurveParameter| {
+        // A curve without a dip says nothing of what makes one.
+        let of_a_dip = matches!(parameter, CurveParameter::FS | CurveParameter::VS);
+        if of_a_dip && !curve.dips {
+            return None;
+        }
+        let (a, b) = (early.of(parameter)?, late.of(parameter)?);
+        let ranged = parameter.of(curve);
+        let (low, high) = (ranged.low?, ranged.high?);
+        let truth = (a.min(b), a.max(b));
+        let holds = low <= truth.1 && truth.0 <= high;
+        let interval = Some((low, high));
+        Some(Held { parameter, value: ranged.value, interval, truth, holds })
+    };
+    all.into_iter().filter_map(one).collect()
+}
+
+/// The best that whoever knows the plant gets from the same means.
+fn oracle(
+    axis: &mut Axis<'_>,
+    machine: &Machine,
+    known: &Known,
+    (truth, amplitude): (&Truth, f64),
+) -> Result<Finish, CommissionError> {
+    let counts = f64::from(machine.sensors.encoder_counts_per_turn);
+    let plant = Plant {
+        drive: controller::design::LinearDrive {
+            gain: 1.0 / truth.slope,
+            time_constant: truth.time_constant,
+        },
+        delay: f64::from(machine.delay) * machine.period,
+        period: machine.period,
+        encoder_step: std::f64::consts::TAU / counts,
+        voltage_limit: known.voltage,
+    };
+    let design = design(&plant, QUICK, Stage::Control)?;
+    let bed = Bed::new(plant, design, (truth.f_s, truth.f_c), (truth.v_s, truth.delta), amplitude)?;
+    let arms = [Arm::Linear, Arm::Reference, Arm::Friction];
+    let mut best: Option<Finish> = None;
+    for arm in arms {
+        let tried = finish(axis, &bed, arm)?;
+        if best.as_ref().is_none_or(|best| tried.error < best.error) {
+            best = Some(tried);
+        }
+    }
+    best.ok_or_else(|| CommissionError::Asked("there are no arms".to_owned()))
+}

@@ -1,0 +1,102 @@
+//! A trial: machines that nobody here has seen, commissioned one after the other in lock-step, on
+//! all processors, and what came of it in one table.
+
+mod case;
+mod finish;
+mod table;
+mod truth;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use files::write_all;
+use machine_rig::{Machine, random};
+use rig_setup::RigSetupError;
+use work::progress::Progress;
+
+pub use case::{Case, Commissioned, Held, case};
+pub use finish::Finish;
+pub use table::{Table, table};
+
+use crate::friction::wanted::Wanted;
+use crate::{CommissionError, Stage};
+
+/// What is tried.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    /// Number of machines.
+    pub machines: u32,
+    /// Seed of the first; each further one has the next.
+    pub seed: u64,
+    /// How well the friction is to be known.
+    pub wanted: Wanted,
+    /// Rig time that each may take \[s\].
+    pub allowed: f64,
+}
+
+/// Tries them all. Each machine's file and results are in `folder`.
+///
+/// # Errors
+/// [`CommissionError`] if something cannot be written, or the user stops it.
+pub fn trial(
+    trial: &Trial,
+    folder: &Path,
+    stop: &Arc<AtomicBool>,
+    progress: &Progress,
+) -> Result<Vec<Case>, CommissionError> {
+    let next = AtomicUsize::new(0);
+    let done: Mutex<Vec<(usize, Result<Case, CommissionError>)>> = Mutex::default();
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                loop {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    if index >= trial.machines as usize || stop.load(Ordering::Relaxed) {
+                        return;
+                    }
+                    let machine = random::machine(trial.seed + index as u64);
+                    let result = one(trial, &machine, folder, stop);
+                    progress.advance(1.0);
+                    done.lock().unwrap_or_else(PoisonError::into_inner).push((index, result));
+                }
+            });
+        }
+    });
+    if stop.load(Ordering::Relaxed) {
+        return Err(RigSetupError::Stopped.into());
+    }
+    let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
+    done.sort_by_key(|(index, _)| *index);
+    done.into_iter().map(|(_, case)| case).collect()
+}
+
+/// One machine; a panic is what a user would call a crash, and counted as one.
+fn one(
+    trial: &Trial,
+    machine: &Machine,
+    folder: &Path,
+    stop: &Arc<AtomicBool>,
+) -> Result<Case, CommissionError> {
+    let name = machine.name.replace(' ', "-");
+    let text = machine.text().map_err(|error| CommissionError::Asked(error.to_string()))?;
+    write_all(folder, &[(&format!("{name}.json"), text)])?;
+    let (file, results) = (folder.join(format!("{name}.json")), folder.join(&name));
+    let file = std::path::absolute(&file).unwrap_or(file);
+    std::fs::create_dir_all(&results).map_err(|source| {
+        CommissionError::Output(files::OutputError::Write { path: results.clone(), source })
+    })?;
+    let work = || case(machine, &file, &results, &trial.wanted, trial.allowed, stop);
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
+        Ok(Case {
+            name: machine.name.clone(),
+            friction: machine.friction.name().to_string(),
+            commissioned: None,
+            refused: Some((Stage::Meet, "the program panicked".to_owned())),
+            peaks: machine_rig::peaks(&file.display().to_string()).unwrap_or_default(),
+            limits: (0.0, 0.0),
+        })
+    })
+}
