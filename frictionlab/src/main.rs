@@ -5,10 +5,12 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use frictionlab::cli::help::prepared;
 use frictionlab::cli::{
-    bag, completions, design, exit_code, features, identify_drive, identify_joints, identify_servo,
-    identify_stiction, look, manual, models, monte_carlo, protocols, rig, run, simulate, told,
-    truth_matrix,
+    bag, commission, completions, design, exit_code, features, identify_drive, identify_joints,
+    identify_servo, identify_stiction, look, manual, models, monte_carlo, protocols, rig, run,
+    simulate, told, truth_matrix,
 };
+use machine_rig::MachineFactory;
+use rig_driver::RigRegistry;
 use work::Interrupted;
 use work::suggestion::with_suggestion;
 
@@ -33,6 +35,7 @@ enum Command {
     IdentifyServo(Box<identify_servo::IdentifyServoArgs>),
     IdentifyStiction(Box<identify_stiction::IdentifyStictionArgs>),
     Bag(bag::BagArgs),
+    Commission(Box<commission::CommissionArgs>),
     Completions(completions::CompletionsArgs),
     Design(design::DesignArgs),
     Features(features::FeaturesArgs),
@@ -58,6 +61,8 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    // Before any address is read; nobody can have read one yet.
+    let _ = RigRegistry::standard().with(MachineFactory).install();
     let mut command = prepared(Cli::command());
     let cli = command
         .try_get_matches_from_mut(std::env::args_os())
@@ -81,6 +86,7 @@ fn main() -> ExitCode {
         Command::IdentifyServo(args) => identify_servo::execute(&args),
         Command::IdentifyStiction(args) => identify_stiction::execute(&args),
         Command::Bag(args) => bag::execute(&args),
+        Command::Commission(args) => commission::execute(&args),
         Command::Completions(args) => completions::execute(&args, &mut command),
         Command::Design(args) => design::execute(&args),
         Command::Features(args) => features::execute(&args),

@@ -9,7 +9,7 @@ use clap::{Arg, Command};
 const GROUPS: [(&str, &[&str]); 8] = [
     ("Measure", &["run", "protocols"]),
     ("Identify", &["look", "identify", "identify-drive", "identify-servo", "identify-stiction"]),
-    ("Compensate", &["design", "monte-carlo"]),
+    ("Compensate", &["commission", "design", "monte-carlo"]),
     ("Live on ROS 2", &["live", "launch", "node", "serve", "security"]),
     ("Rig", &["rig", "doctor"]),
     ("Science", &["models", "simulate", "features", "truth-matrix"]),

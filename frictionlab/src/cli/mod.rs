@@ -2,6 +2,9 @@
 
 mod advice;
 pub mod bag;
+pub mod commission;
+mod commission_trial;
+mod commission_words;
 pub mod completions;
 pub mod design;
 #[cfg(feature = "ros")]
