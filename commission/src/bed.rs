@@ -1,21 +1,22 @@
 //! The controller of an axis: the loop, and what is fed forward beside it.
 
 use controller::design::LinearDrive;
-use controller::{ControllerOptions, PlantInverse};
-use experiment_runner::compensation::Means;
-use experiment_runner::control_loop::{EPOCH_NS, RunningLoop};
-use experiment_runner::test_bed::TestBed;
+use controller::{Controller, ControllerOptions, PlantInverse};
+use experiment_runner::control_loop::{ControlLoop, EPOCH_NS, RunningLoop};
+use experiment_runner::test_bed::TestBedError;
 use experiment_runner::waveform::Waveform;
 use friction_ident::statistics::root_mean_square;
-use friction_model::{AnyModel, ModelName, Stribeck, StribeckParameters};
-use friction_observer::{EstimatorOptions, NominalDrive, Technique};
-use rig_driver::SimulationOptions;
+use friction_model::{AnyModel, Stribeck, StribeckParameters, TimeStep};
+use friction_observer::{EstimatorOptions, FrictionEstimator, NominalDrive, Technique};
+use rig_driver::Rig;
 use rig_setup::REST;
 use serde::{Deserialize, Serialize};
 
 use crate::axis::{Axis, Bench, Known};
 use crate::drive::Drive;
+use crate::feedback::FedBack;
 use crate::friction::{Friction, plant};
+use crate::identified::{Identified, Levels, Settings};
 use crate::loop_design::{LoopDesign, Plant};
 use crate::model::Chosen;
 use crate::{CommissionError, Stage};
@@ -61,8 +62,10 @@ pub struct Bed {
     plant: Plant,
     design: LoopDesign,
     friction: AnyModel,
+    levels: Levels,
     amplitude: f64,
     resting_angle: f64,
+    fed_back: Option<FedBack>,
 }
 
 impl Bed {
@@ -103,8 +106,10 @@ impl Bed {
             plant,
             design,
             friction: AnyModel::Stribeck(friction),
+            levels: Levels { f_s, f_c, v_s, delta },
             amplitude,
             resting_angle: 0.0,
+            fed_back: None,
         })
     }
 
@@ -117,8 +122,27 @@ impl Bed {
 
     /// The same with another loop.
     #[must_use]
-    pub const fn with(self, design: LoopDesign) -> Self {
-        Self { design, ..self }
+    pub fn with(self, design: LoopDesign) -> Self {
+        let fed_back = self.fed_back.map(|fed| FedBack { design, ..fed });
+        Self { design, fed_back, ..self }
+    }
+
+    /// The same with what is fed back, and the loop that it has; nothing where it is none.
+    #[must_use]
+    pub fn feeding_back(self, fed_back: Option<FedBack>) -> Self {
+        Self { fed_back, design: fed_back.map_or(self.design, |fed| fed.design), ..self }
+    }
+
+    /// What is fed back.
+    #[must_use]
+    pub const fn fed_back(&self) -> Option<&FedBack> {
+        self.fed_back.as_ref()
+    }
+
+    /// What was identified, to be simulated.
+    #[must_use]
+    pub const fn identified(&self) -> Identified {
+        Identified { plant: self.plant, levels: self.levels }
     }
 
     /// The loop.
@@ -164,6 +188,11 @@ impl Bed {
             Arm::Linear => PlantInverse::Off,
             Arm::Reference | Arm::Friction => PlantInverse::Whole(self.plant.drive),
         };
+        if let Some(fed_back) = &self.fed_back {
+            controller.compensation.enabled = true;
+            controller.inverse = PlantInverse::Whole(self.plant.drive);
+            return (controller, fed_back.estimator(&self.plant, self.levels.f_s));
+        }
         let LinearDrive { gain, time_constant } = self.plant.drive;
         let drive = NominalDrive { gain, time_constant, volts_per_newton_metre: 1.0 };
         let technique = Technique::Feedforward;
@@ -181,11 +210,7 @@ impl Bed {
         stage: Stage,
         arm: Arm,
     ) -> Result<f64, CommissionError> {
-        let task = Waveform::SinePosition {
-            amplitude: self.amplitude,
-            angular_frequency: std::f64::consts::TAU / PERIOD,
-        };
-        let errors = self.track(axis, bench, stage, arm, task, (FROM, SECONDS))?;
+        let errors = self.track(axis, bench, stage, arm, self.sine(), (FROM, SECONDS))?;
         Ok(root_mean_square(&errors))
     }
 
@@ -202,12 +227,45 @@ impl Bed {
         (arm, forward): (Arm, bool),
         part: (f64, f64),
     ) -> Result<Vec<f64>, CommissionError> {
-        let task = Waveform::MovePosition {
+        self.track(axis, bench, stage, arm, self.smooth_move(forward), part)
+    }
+
+    /// The sine, and when it begins to count and ends \[s\].
+    #[must_use]
+    pub const fn counted() -> (f64, f64) {
+        (FROM, SECONDS)
+    }
+
+    /// The slow sine with its reversals.
+    #[must_use]
+    pub const fn sine(&self) -> Waveform {
+        Waveform::SinePosition {
+            amplitude: self.amplitude,
+            angular_frequency: std::f64::consts::TAU / PERIOD,
+        }
+    }
+
+    /// The smooth move.
+    #[must_use]
+    pub const fn smooth_move(&self, forward: bool) -> Waveform {
+        Waveform::MovePosition {
             position: if forward { self.amplitude } else { -self.amplitude },
             at: 0.5,
             duration: PERIOD,
-        };
-        self.track(axis, bench, stage, arm, task, part)
+        }
+    }
+
+    /// Highest speed of the sine [rad/s].
+    #[must_use]
+    pub const fn speed(&self) -> f64 {
+        self.amplitude * std::f64::consts::TAU / PERIOD
+    }
+
+    /// The arm as a simulation takes it.
+    #[must_use]
+    pub fn simulated(&self, arm: Arm) -> Settings {
+        let (controller, estimator) = self.settings(arm);
+        Settings { controller, estimator, friction: self.friction }
     }
 
     fn track(
@@ -220,19 +278,12 @@ impl Bed {
         part: (f64, f64),
     ) -> Result<Vec<f64>, CommissionError> {
         let (controller, estimator) = self.settings(arm);
-        let bed = TestBed {
-            simulation: SimulationOptions {
-                voltage_limit: self.plant.voltage_limit,
-                ..SimulationOptions::default()
-            },
-            friction: AnyModel::test_bed(ModelName::Stribeck),
-            controller,
-            estimator,
-        };
-        let means = (arm == Arm::Friction).then_some(Means::Feedforward);
-        let mode = controller.mode;
-        axis.track(bench, stage, part, |rig| {
-            let running = bed.loop_around(rig, mode, task, &self.friction, means, EPOCH_NS)?;
+        axis.track(bench, stage, part, |rig: Box<dyn Rig + Send>| {
+            let dt = TimeStep::new(rig.period()).map_err(TestBedError::from)?;
+            let estimator = FrictionEstimator::new(&self.friction, estimator, dt)
+                .map_err(TestBedError::from)?;
+            let controller = Controller::new(controller)?;
+            let running = ControlLoop::new(rig, estimator, controller, task, EPOCH_NS);
             Ok(Box::new(running) as Box<dyn RunningLoop>)
         })
     }

@@ -1,9 +1,9 @@
-//! Control: linear gains, and what is fed forward beside them.
+//! Control: linear gains, and what is fed forward and back beside them.
 //!
-//! Everything that is tried here depends on the reference alone. The loop, and with it sensitivity
-//! peak and noise of the voltage, is the same in each arm: what differs is the error at equal
-//! robustness. Techniques that feed a model's estimate back change the loop and are not tried here;
-//! `frictionlab run compensation` compares them.
+//! What is fed forward depends on the reference alone. The loop, and with it sensitivity peak and
+//! noise of the voltage, is the same in each arm: what differs is the error at equal robustness.
+//! What is fed back changes the loop. It is tried in simulation at equal robustness
+//! ([`mod@pareto`]), and on the rig where it is clearly better there and the time is left.
 
 use controller::design::LinearDrive;
 use rig_setup::REST;
@@ -12,9 +12,11 @@ use serde::{Deserialize, Serialize};
 use crate::axis::{Axis, Bench, Known};
 use crate::bed::{Arm, Bed, refined, seconds};
 use crate::drive::Drive;
+use crate::feedback::FedBack;
 use crate::friction::Friction;
 use crate::loop_design::{LoopDesign, QUICK, design, design_below};
 use crate::model::Chosen;
+use crate::pareto::{self, Tried};
 use crate::{CommissionError, Stage, hunting};
 
 /// Times that each arm is tried.
@@ -35,6 +37,8 @@ const SLOWED: f64 = 0.7;
 const RESTED: u32 = 2;
 /// A richer arm has to be better by this share.
 const CLEARLY: f64 = 0.05;
+/// Moves for which what is fed back has to come to rest.
+const HOLDS_FED_BACK: u32 = 3;
 
 /// What was found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -47,6 +51,15 @@ pub struct Control {
     pub errors: Vec<(Arm, Vec<f64>)>,
     /// The arm that was chosen.
     pub arm: Arm,
+    /// What is fed back; it has its own loop, which is `design` too.
+    #[serde(default)]
+    pub fed_back: Option<FedBack>,
+    /// What was tried in simulation.
+    #[serde(default)]
+    pub tried: Vec<Tried>,
+    /// What was fed back on the rig, and its root mean square errors there \[rad\].
+    #[serde(default)]
+    pub fed_back_errors: Option<(FedBack, Vec<f64>)>,
     /// Error up to which the integral stands still while the reference does \[rad\].
     pub resting_angle: f64,
     /// Whether the shaft rests after a move.
@@ -75,18 +88,49 @@ pub fn control(
     let bed = Bed::of(known, drive, (friction, chosen), design)?;
     let arms = <Arm as strum::VariantArray>::VARIANTS;
     let mut errors: Vec<(Arm, Vec<f64>)> = arms.iter().map(|arm| (*arm, Vec::new())).collect();
+    axis.say(Stage::Control, "what feedback is worth, in simulation");
+    let tried = pareto::tried(&bed)?;
+    let mut fed_back_errors = pareto::promising(&tried, CLEARLY)
+        .filter(|_| axis.left() > later + with_feedback())
+        .map(|fed| (fed, Vec::new()));
     let bench = axis.bench()?;
     for _ in 0..TIMES {
         for (arm, errors) in &mut errors {
             axis.say(Stage::Control, &format!("{arm}"));
             errors.push(bed.try_out(axis, &bench, Stage::Control, *arm)?);
         }
+        if let Some((fed, errors)) = &mut fed_back_errors {
+            axis.say(Stage::Control, &format!("{} fed back", fed.kind));
+            let bed = bed.feeding_back(Some(*fed));
+            errors.push(bed.try_out(axis, &bench, Stage::Control, Arm::Friction)?);
+        }
     }
     let arm = choose(&errors);
-    let (bed, rests) = at_rest(axis, &bench, bed, arm, later)?;
+    let fed = fed_back_errors.as_ref().filter(|(_, fed)| is_better(fed, arm, &errors));
+    let fed_bed = fed.map(|(fed, _)| bed.feeding_back(Some(*fed)));
+    let rested = match fed_bed {
+        Some(bed) => Some(at_rest(axis, &bench, bed, Arm::Friction, (later, HOLDS_FED_BACK))?),
+        None => None,
+    };
+    // What is fed back and hunts is not handed over.
+    let ((bed, rests), arm) = match rested.filter(|(_, rests)| *rests) {
+        Some(rested) => (rested, Arm::Friction),
+        None => (at_rest(axis, &bench, bed, arm, (later, HOLDS))?, arm),
+    };
     let (design, resting_angle) = (*bed.design(), bed.resting_angle());
     let LinearDrive { gain, time_constant } = refined.drive;
-    Ok(Control { design, drive: (gain, time_constant), errors, arm, resting_angle, rests })
+    let fed_back = bed.fed_back().copied();
+    Ok(Control {
+        design,
+        drive: (gain, time_constant),
+        errors,
+        arm,
+        fed_back,
+        tried,
+        fed_back_errors,
+        resting_angle,
+        rests,
+    })
 }
 
 /// The loop with which the shaft rests after a move either way, and whether it does. What a shaft
@@ -97,10 +141,10 @@ fn at_rest(
     bench: &Bench,
     mut bed: Bed,
     arm: Arm,
-    later: f64,
+    (later, most): (f64, u32),
 ) -> Result<(Bed, bool), CommissionError> {
     let (mut rested, mut forward) = (0, true);
-    for attempt in 1..=HOLDS {
+    for attempt in 1..=most {
         if attempt > RESTED && axis.left() < later + REST + HELD.1 {
             break;
         }
@@ -123,6 +167,22 @@ fn at_rest(
         }
     }
     Ok((bed, false))
+}
+
+/// Rig time that a try of feedback takes at most, with what comes behind it in the stage \[s\].
+fn with_feedback() -> f64 {
+    let holds = f64::from(HOLDS_FED_BACK) + HOLDS_USUAL;
+    seconds_needed() + TIMES as f64 * seconds() + holds * (REST + HELD.1)
+}
+
+/// Whether what is fed back is clearly better in its worst try than the best of the arm.
+fn is_better(fed_back: &[f64], arm: Arm, errors: &[(Arm, Vec<f64>)]) -> bool {
+    let worst = fed_back.iter().copied().fold(0.0, f64::max);
+    errors
+        .iter()
+        .filter(|(one, _)| *one == arm)
+        .flat_map(|(_, errors)| errors)
+        .all(|error| worst < (1.0 - CLEARLY) * error)
 }
 
 /// The simplest arm, unless a richer one is clearly better in its worst try.

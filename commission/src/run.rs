@@ -99,7 +99,8 @@ pub fn run(
         control::control(axis, (known, &drive), (&friction, &chosen), proof::seconds_needed())
     })?;
     let bed = Bed::of(known, &drive, (&friction, &chosen), control.design)?
-        .resting(control.resting_angle);
+        .resting(control.resting_angle)
+        .feeding_back(control.fed_back);
     let proof: Proof =
         stage(dossier, Stage::Proof, &mut axis, |axis| proof::proof(axis, &bed, control.arm))?;
 

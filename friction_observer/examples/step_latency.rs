@@ -14,7 +14,8 @@ use controller::{Controller, ControllerOptions, Feedback, Reference};
 use friction_model::{AnyModel, ModelName, TimeStep};
 use friction_observer::adaptive::{LevelOptions, ParameterOptions, StiffnessOptions};
 use friction_observer::{
-    DisturbanceObserverOptions, EstimatorOptions, FrictionEstimator, RbfOptions, Seen, Technique,
+    DisturbanceObserverOptions, EstimatorOptions, FrictionEstimator, FuzzyOptions, RbfOptions, Seen,
+    SuperTwistingOptions, Technique,
     VelocitySource,
 };
 
@@ -121,6 +122,8 @@ fn main() -> ExitCode {
     let plain = [
         ("disturbance observer", Technique::DisturbanceObserver(DisturbanceObserverOptions::SRV02)),
         ("rbf", Technique::Rbf(RbfOptions::SRV02)),
+        ("super_twisting", Technique::SuperTwisting(SuperTwistingOptions::SRV02)),
+        ("fuzzy", Technique::Fuzzy(FuzzyOptions::SRV02)),
     ];
     let (readings, clock) = (readings(), clock_cost());
     println!(

@@ -13,10 +13,15 @@ pub enum Source {
     DisturbanceObserver,
     /// The compensator that learns the curve.
     RbfCompensator,
+    /// The super-twisting compensator.
+    SuperTwisting,
+    /// The fuzzy compensator.
+    Fuzzy,
 }
 
 impl Source {
-    /// Its name in messages: that of the model, or `disturbance_observer` or `rbf_compensator`.
+    /// Its name in messages: that of the model, or `disturbance_observer`,
+    /// `rbf_compensator`, `super_twisting` or `fuzzy`.
     #[must_use]
     pub const fn as_str(self) -> &'static str {
         match self {
@@ -24,13 +29,15 @@ impl Source {
             Self::OwnModel(name) => name,
             Self::DisturbanceObserver => "disturbance_observer",
             Self::RbfCompensator => "rbf_compensator",
+            Self::SuperTwisting => "super_twisting",
+            Self::Fuzzy => "fuzzy",
         }
     }
 
     /// The one of that name, if there is one; models that are not built in are not known by name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
-        [Self::DisturbanceObserver, Self::RbfCompensator]
+        [Self::DisturbanceObserver, Self::RbfCompensator, Self::SuperTwisting, Self::Fuzzy]
             .into_iter()
             .find(|source| source.as_str() == name)
             .or_else(|| name.parse().ok().map(Self::Model))

@@ -16,6 +16,10 @@ pub struct EstimatorOptions {
     /// derivative (thesis section 5.2); zero for none, from -1e3 to 1e3. Techniques without such an
     /// observer ignore it.
     pub injection: f64,
+    /// Share of the model's friction at the reference's velocity that techniques without a model
+    /// have beside their own estimate, from 0 to 1; the others ignore it.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub ahead: f64,
     /// How the velocity between two cycles is taken.
     #[serde(default, skip_serializing_if = "is_held")]
     pub scheme: Scheme,
@@ -35,6 +39,11 @@ fn is_held(scheme: &Scheme) -> bool {
     *scheme == Scheme::Held
 }
 
+/// Nor of an estimate without a share of the model's.
+fn is_none(ahead: &f64) -> bool {
+    *ahead == 0.0
+}
+
 impl Default for EstimatorOptions {
     /// The observer on the velocity of the tachometer, without error injection, on the SRV-02. Each
     /// velocity is held for a cycle, as in the thesis.
@@ -42,6 +51,7 @@ impl Default for EstimatorOptions {
         Self {
             technique: Technique::default(),
             injection: 0.0,
+            ahead: 0.0,
             scheme: Scheme::Held,
             velocity: VelocitySource::default(),
             feeds_controller: false,
@@ -58,6 +68,7 @@ impl EstimatorOptions {
     pub fn check(&self) -> Result<(), ObserverError> {
         self.technique.check()?;
         within("injection", self.injection, -1e3..=1e3, "from -1e3 to 1e3")?;
+        within("ahead", self.ahead, 0.0..=1.0, "from 0 to 1")?;
         self.velocity.check()?;
         Ok(self.drive.check()?)
     }

@@ -4,8 +4,8 @@ use friction_model::{AnyModel, ModelName, Regime, Scheme, TimeStep};
 
 use crate::adaptive::{FrictionLevel, FrictionParameters, Stiffness};
 use crate::{
-    DisturbanceObserver, Estimate, EstimatorOptions, FrictionObserver, ObserverError,
-    RbfCompensator, Seen, Source, Technique, VelocityEstimator,
+    DisturbanceObserver, Estimate, EstimatorOptions, FrictionObserver, FuzzyCompensator,
+    ObserverError, RbfCompensator, Seen, Source, SuperTwisting, Technique, VelocityEstimator,
 };
 
 /// A model driven by the measured velocity and, where it has a share, by the reference's.
@@ -67,6 +67,33 @@ enum Engine {
     Stiffness(FrictionObserver, Stiffness),
     Disturbance(DisturbanceObserver),
     Rbf(RbfCompensator),
+    SuperTwisting(SuperTwisting),
+    Fuzzy(FuzzyCompensator),
+}
+
+/// A model at the reference's velocity, beside a technique that has none.
+#[derive(Debug, Clone)]
+struct Ahead {
+    observer: FrictionObserver,
+    share: f64,
+    volts_per_newton_metre: f64,
+    /// Its torque of the cycle before \[N m\].
+    before: f64,
+}
+
+impl Ahead {
+    /// The voltage of the cycle before without its part, and its torque now.
+    #[inline]
+    fn step(&mut self, seen: &Seen) -> (f64, f64) {
+        let rest = seen.voltage - self.volts_per_newton_metre * self.before;
+        self.before = self.share * self.observer.observe(seen.reference_velocity, None).torque;
+        (rest, self.before)
+    }
+
+    fn reset(&mut self) {
+        self.observer.reset();
+        self.before = 0.0;
+    }
 }
 
 /// Velocity and technique at a fixed period.
@@ -75,6 +102,7 @@ pub(crate) struct Running {
     velocity: VelocityEstimator,
     injection: f64,
     engine: Engine,
+    ahead: Option<Ahead>,
     model: ModelName,
 }
 
@@ -106,9 +134,20 @@ impl Running {
                 Engine::Disturbance(DisturbanceObserver::new(observer, drive, dt)?)
             }
             Technique::Rbf(rbf) => Engine::Rbf(RbfCompensator::new(rbf, drive, dt)?),
+            Technique::SuperTwisting(twisting) => {
+                Engine::SuperTwisting(SuperTwisting::new(twisting, drive, dt)?)
+            }
+            Technique::Fuzzy(fuzzy) => Engine::Fuzzy(FuzzyCompensator::new(fuzzy)?),
         };
+        let beside = options.ahead > 0.0 && !options.technique.needs_model();
+        let ahead = beside.then(|| Ahead {
+            observer: FrictionObserver::by(*scheme, model, dt),
+            share: options.ahead,
+            volts_per_newton_metre: drive.volts_per_newton_metre,
+            before: 0.0,
+        });
         let velocity = VelocityEstimator::new(options.velocity, drive, dt)?;
-        Ok(Self { velocity, injection: options.injection, engine, model: model.name() })
+        Ok(Self { velocity, injection: options.injection, engine, ahead, model: model.name() })
     }
 
     /// Estimated velocity \[rad/s\] and friction now.
@@ -118,6 +157,10 @@ impl Running {
         // An error that is not finite injects nothing.
         let rate = -self.injection * seen.error;
         let rate = if rate.is_finite() { rate } else { 0.0 };
+        // What a technique without a model observes is what the model beside it leaves.
+        let (rest, asked) =
+            self.ahead.as_mut().map_or((seen.voltage, 0.0), |ahead| ahead.step(seen));
+        let off = velocity - seen.reference_velocity;
         let estimate = match &mut self.engine {
             Engine::Feedforward(observer) => observer.observe(seen.reference_velocity, seen.torque),
             Engine::Pair(pair) => pair.observe(velocity, rate, seen).mixed,
@@ -147,12 +190,20 @@ impl Running {
                 retorqued(given, stiffness.torque(velocity, rate, seen, given.torque), seen)
             }
             Engine::Disturbance(observer) => {
-                let torque = observer.observe(velocity, seen.voltage);
-                without_model(Source::DisturbanceObserver, torque, velocity, seen)
+                let torque = observer.observe(velocity, rest);
+                without_model(Source::DisturbanceObserver, asked + torque, velocity, seen)
             }
             Engine::Rbf(compensator) => {
-                let torque = compensator.observe(velocity, seen.reference_velocity, seen.voltage);
-                without_model(Source::RbfCompensator, torque, velocity, seen)
+                let torque = compensator.observe(velocity, seen.reference_velocity, rest);
+                without_model(Source::RbfCompensator, asked + torque, velocity, seen)
+            }
+            Engine::SuperTwisting(twisting) => {
+                let torque = twisting.observe(off, seen.error);
+                without_model(Source::SuperTwisting, asked + torque, velocity, seen)
+            }
+            Engine::Fuzzy(fuzzy) => {
+                let torque = fuzzy.observe(off, seen.error);
+                without_model(Source::Fuzzy, asked + torque, velocity, seen)
             }
         };
         (velocity, estimate)
@@ -160,6 +211,7 @@ impl Running {
 
     pub(crate) fn reset(&mut self) {
         self.velocity.reset();
+        self.ahead.iter_mut().for_each(Ahead::reset);
         match &mut self.engine {
             Engine::Feedforward(observer) => observer.reset(),
             Engine::Pair(pair) => pair.reset(),
@@ -177,6 +229,8 @@ impl Running {
             }
             Engine::Disturbance(observer) => observer.reset(),
             Engine::Rbf(compensator) => compensator.reset(),
+            Engine::SuperTwisting(twisting) => twisting.reset(),
+            Engine::Fuzzy(_) => {}
         }
     }
 
@@ -190,9 +244,12 @@ impl Running {
             Engine::Level(_, level) => Adapted::Level(level.factor()),
             Engine::Parameters(_, parameters) => Adapted::Parameters(parameters.parameters()),
             Engine::Stiffness(_, stiffness) => Adapted::Stiffness(stiffness.factor()),
-            Engine::Feedforward(_) | Engine::Pair(_) | Engine::Disturbance(_) | Engine::Rbf(_) => {
-                Adapted::Nothing
-            }
+            Engine::Feedforward(_)
+            | Engine::Pair(_)
+            | Engine::Disturbance(_)
+            | Engine::Rbf(_)
+            | Engine::SuperTwisting(_)
+            | Engine::Fuzzy(_) => Adapted::Nothing,
         }
     }
 }

@@ -4,7 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::adaptive::{LevelOptions, ParameterOptions, StiffnessOptions};
 use crate::error::within;
-use crate::{DisturbanceObserverOptions, ObserverError, RbfOptions};
+use crate::{
+    DisturbanceObserverOptions, FuzzyOptions, ObserverError, RbfOptions, SuperTwistingOptions,
+};
 
 /// Where the estimate comes from.
 #[derive(
@@ -40,6 +42,10 @@ pub enum Technique {
     /// A network of radial basis functions that learns the friction-speed curve on line. Needs no
     /// friction model.
     Rbf(RbfOptions),
+    /// Sliding mode of second order on the error. Needs no friction model.
+    SuperTwisting(SuperTwistingOptions),
+    /// A fuzzy table over the error. Needs no friction model.
+    Fuzzy(FuzzyOptions),
 }
 
 impl Technique {
@@ -56,12 +62,17 @@ impl Technique {
             Self::AdaptiveStiffness(options) => options.check(),
             Self::DisturbanceObserver(options) => Ok(options.check()?),
             Self::Rbf(options) => options.check(),
+            Self::SuperTwisting(options) => Ok(options.check()?),
+            Self::Fuzzy(options) => Ok(options.check()?),
         }
     }
 
     /// Whether a friction model stands behind it.
     #[must_use]
     pub const fn needs_model(&self) -> bool {
-        !matches!(self, Self::DisturbanceObserver(_) | Self::Rbf(_))
+        !matches!(
+            self,
+            Self::DisturbanceObserver(_) | Self::Rbf(_) | Self::SuperTwisting(_) | Self::Fuzzy(_)
+        )
     }
 }

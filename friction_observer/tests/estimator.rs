@@ -4,12 +4,12 @@
 use friction_model::{AnyModel, ModelName, TimeStep};
 use friction_observer::adaptive::{LevelOptions, ParameterOptions, StiffnessOptions};
 use friction_observer::{
-    DisturbanceObserverOptions, EstimatorOptions, FrictionEstimator, RbfOptions, Seen, Technique,
-    VelocitySource,
+    DisturbanceObserverOptions, EstimatorOptions, FrictionEstimator, FuzzyOptions, RbfOptions, Seen,
+    SuperTwistingOptions, Technique, VelocitySource,
 };
 use proptest::prelude::*;
 
-const TECHNIQUES: [Technique; 8] = [
+const TECHNIQUES: [Technique; 10] = [
     Technique::Feedback,
     Technique::Feedforward,
     Technique::Both { share: 0.5 },
@@ -18,6 +18,8 @@ const TECHNIQUES: [Technique; 8] = [
     Technique::AdaptiveStiffness(StiffnessOptions::SRV02),
     Technique::DisturbanceObserver(DisturbanceObserverOptions::SRV02),
     Technique::Rbf(RbfOptions::SRV02),
+    Technique::SuperTwisting(SuperTwistingOptions::SRV02_POSITION),
+    Technique::Fuzzy(FuzzyOptions::SRV02_POSITION),
 ];
 
 const SOURCES: [VelocitySource; 5] = [

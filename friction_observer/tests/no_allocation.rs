@@ -12,8 +12,8 @@ use controller::{
 use friction_model::{AnyModel, ModelName, TimeStep};
 use friction_observer::adaptive::{LevelOptions, ParameterOptions, StiffnessOptions};
 use friction_observer::{
-    DisturbanceObserverOptions, EstimatorOptions, FrictionEstimator, RbfOptions, Seen, Technique,
-    VelocitySource,
+    DisturbanceObserverOptions, EstimatorOptions, FrictionEstimator, FuzzyOptions, RbfOptions, Seen,
+    SuperTwistingOptions, Technique, VelocitySource,
 };
 
 const CYCLES: u32 = 3000;
@@ -68,6 +68,8 @@ fn no_cycle_allocates() {
         Technique::AdaptiveStiffness(StiffnessOptions::SRV02),
         Technique::DisturbanceObserver(DisturbanceObserverOptions::SRV02),
         Technique::Rbf(RbfOptions::SRV02),
+        Technique::SuperTwisting(SuperTwistingOptions::SRV02),
+        Technique::Fuzzy(FuzzyOptions::SRV02),
     ];
     let sources =
         [VelocitySource::Tachometer, VelocitySource::TRACKING_LOOP, VelocitySource::FUSED];
@@ -84,6 +86,7 @@ fn no_cycle_allocates() {
                     technique,
                     velocity,
                     injection: 0.035,
+                    ahead: 1.0,
                     ..Default::default()
                 };
                 assert_eq!(

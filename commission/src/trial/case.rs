@@ -158,7 +158,8 @@ fn judge(
         axis.trust_the_encoder_alone();
     }
     let bed = Bed::of(known, &found.drive, (&found.friction, &found.chosen), found.control.design)?
-        .resting(found.control.resting_angle);
+        .resting(found.control.resting_angle)
+        .feeding_back(found.control.fed_back);
     let arm = found.control.arm;
     let handed_over = stopped(finish(&mut axis, &bed, arm))?;
     let oracle = stopped(oracle(&mut axis, machine, known, (&late, amplitude(&found.friction))))?;

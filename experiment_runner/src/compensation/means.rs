@@ -1,9 +1,12 @@
 //! The techniques of compensation, as a person chooses them.
 
-use controller::ControllerOptions;
 use controller::design::LinearDrive;
+use controller::{ControlMode, ControllerOptions};
 use friction_observer::adaptive::{LevelOptions, ParameterOptions};
-use friction_observer::{DisturbanceObserverOptions, EstimatorOptions, RbfOptions, Technique};
+use friction_observer::{
+    DisturbanceObserverOptions, EstimatorOptions, FuzzyOptions, RbfOptions, SuperTwistingOptions,
+    Technique,
+};
 use serde::{Deserialize, Serialize};
 
 use super::additions;
@@ -42,6 +45,10 @@ pub enum Means {
     DisturbanceObserver,
     /// A network that learns the friction-speed curve while it runs, without a model
     Rbf,
+    /// Sliding mode of second order on the error, without a model
+    SuperTwisting,
+    /// A fuzzy table over the error, without a model
+    Fuzzy,
     /// A fast, small oscillation of the voltage, no model
     Dither,
     /// Short pulses in the direction in which the controller moves, no model
@@ -70,6 +77,8 @@ impl Means {
             | Self::AdaptiveParameters => true,
             Self::DisturbanceObserver
             | Self::Rbf
+            | Self::SuperTwisting
+            | Self::Fuzzy
             | Self::Dither
             | Self::Knocker
             | Self::AccelerationFeedback
@@ -96,6 +105,14 @@ impl Means {
                 Some(Technique::DisturbanceObserver(DisturbanceObserverOptions::SRV02))
             }
             Self::Rbf => Some(Technique::Rbf(RbfOptions::SRV02)),
+            Self::SuperTwisting => Some(Technique::SuperTwisting(match controller.mode {
+                ControlMode::Velocity => SuperTwistingOptions::SRV02,
+                ControlMode::Position => SuperTwistingOptions::SRV02_POSITION,
+            })),
+            Self::Fuzzy => Some(Technique::Fuzzy(match controller.mode {
+                ControlMode::Velocity => FuzzyOptions::SRV02,
+                ControlMode::Position => FuzzyOptions::SRV02_POSITION,
+            })),
             Self::Dither | Self::Knocker | Self::AccelerationFeedback | Self::RetunedPid => None,
         };
         // Additions to the controller leave the estimate out.

@@ -15,8 +15,8 @@ pub use of_models::model_parameters;
 
 use crate::adaptive::{LevelOptions, ParameterOptions, StiffnessOptions};
 use crate::{
-    DisturbanceObserverOptions, EstimatorOptions, FrictionEstimator, NominalDrive, RbfOptions,
-    Technique, TechniqueName, VelocitySource, VelocitySourceName,
+    DisturbanceObserverOptions, EstimatorOptions, FrictionEstimator, FuzzyOptions, NominalDrive,
+    RbfOptions, SuperTwistingOptions, Technique, TechniqueName, VelocitySource, VelocitySourceName,
 };
 
 /// What the controller regulates, of which the error is injected.
@@ -75,7 +75,12 @@ parameters! {
         velocity_source: VelocitySourceName = VelocitySourceName::Tachometer,
             "Which velocity the estimator believes";
         velocity: VelocityParameters = VelocityParameters { time_constant: 0.005, bandwidth: 60.0 };
+        ahead: f64 = 0.0,
+            "Share of the feedforward estimate beside techniques without a model",
+            range(ValueRange::Double(0.0, 1.0));
         disturbance_observer: DisturbanceObserverOptions = DisturbanceObserverOptions::SRV02;
+        super_twisting: SuperTwistingOptions = SuperTwistingOptions::SRV02;
+        fuzzy: FuzzyOptions = FuzzyOptions::SRV02;
         drive: NominalDrive = NominalDrive::SRV02;
         autostart: bool = true, "Configure and activate when the program starts", read_only();
     }
@@ -123,6 +128,7 @@ impl ObserverSettings {
         let options = EstimatorOptions {
             technique: said.technique(),
             injection: said.injection,
+            ahead: said.ahead,
             scheme: said.scheme.0,
             velocity: said.velocity(),
             feeds_controller: false,
@@ -152,6 +158,8 @@ impl ObserverParameters {
                 Technique::DisturbanceObserver(self.disturbance_observer)
             }
             TechniqueName::Rbf => Technique::Rbf(RbfOptions::SRV02),
+            TechniqueName::SuperTwisting => Technique::SuperTwisting(self.super_twisting),
+            TechniqueName::Fuzzy => Technique::Fuzzy(self.fuzzy),
         }
     }
 
@@ -179,6 +187,7 @@ impl ObserverParameters {
             technique: options.technique.into(),
             mode: regulated,
             injection: options.injection,
+            ahead: options.ahead,
             scheme: Named(options.scheme),
             velocity_source: options.velocity.into(),
             drive: options.drive,
@@ -187,6 +196,8 @@ impl ObserverParameters {
         match options.technique {
             Technique::Both { share } => said.share = share,
             Technique::DisturbanceObserver(options) => said.disturbance_observer = options,
+            Technique::SuperTwisting(options) => said.super_twisting = options,
+            Technique::Fuzzy(options) => said.fuzzy = options,
             _ => {}
         }
         match options.velocity {
@@ -303,6 +314,8 @@ mod tests {
             Technique::Both { share: 0.3 },
             Technique::Adaptive(LevelOptions::SRV02),
             Technique::Rbf(RbfOptions::SRV02),
+            Technique::SuperTwisting(SuperTwistingOptions::SRV02_POSITION),
+            Technique::Fuzzy(FuzzyOptions { limit: 0.2, ..FuzzyOptions::SRV02 }),
             Technique::DisturbanceObserver(DisturbanceObserverOptions {
                 bandwidth: 55.0,
                 ..DisturbanceObserverOptions::SRV02
