@@ -15,8 +15,10 @@ use crate::drive::Drive;
 use crate::feedback::FedBack;
 use crate::friction::Friction;
 use crate::loop_design::{LoopDesign, QUICK, design, design_below};
+use crate::meet::Met;
 use crate::model::Chosen;
 use crate::pareto::{self, Tried};
+use crate::velocity_design::{VelocityDesign, velocity_design};
 use crate::{CommissionError, Stage, hunting};
 
 /// Times that each arm is tried.
@@ -54,6 +56,9 @@ pub struct Control {
     /// What is fed back; it has its own loop, which is `design` too.
     #[serde(default)]
     pub fed_back: Option<FedBack>,
+    /// A velocity loop; none where no such loop keeps the margins.
+    #[serde(default)]
+    pub velocity: Option<VelocityDesign>,
     /// What was tried in simulation.
     #[serde(default)]
     pub tried: Vec<Tried>,
@@ -79,7 +84,7 @@ pub fn seconds_needed() -> f64 {
 /// [`CommissionError`] if no loop can be designed, the rig refuses or the time is up.
 pub fn control(
     axis: &mut Axis<'_>,
-    (known, drive): (&Known, &Drive),
+    (known, met, drive): (&Known, &Met, &Drive),
     (friction, chosen): (&Friction, &Chosen),
     later: f64,
 ) -> Result<Control, CommissionError> {
@@ -120,12 +125,15 @@ pub fn control(
     let (design, resting_angle) = (*bed.design(), bed.resting_angle());
     let LinearDrive { gain, time_constant } = refined.drive;
     let fed_back = bed.fed_back().copied();
+    let tachometer = met.tachometer.then_some(met.tachometer_noise);
+    let velocity = velocity_design(&refined, tachometer);
     Ok(Control {
         design,
         drive: (gain, time_constant),
         errors,
         arm,
         fed_back,
+        velocity,
         tried,
         fed_back_errors,
         resting_angle,

@@ -21,6 +21,7 @@ pub mod hunting;
 pub mod identified;
 mod interval;
 pub mod loop_design;
+pub mod margin;
 pub mod meet;
 pub mod model;
 pub mod pareto;
@@ -28,6 +29,7 @@ pub mod proof;
 pub mod run;
 mod stage;
 pub mod trial;
+pub mod velocity_design;
 
 pub use dossier::Dossier;
 pub use error::CommissionError;

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::{CommissionError, Stage};
 
-/// Largest sensitivity peak of the loop as it runs.
-const PEAK: f64 = 1.4;
+/// Largest sensitivity peak of a loop as it runs.
+pub const PEAK: f64 = 1.4;
 /// Largest share of the voltage limit that the steps of the encoder make as noise, where the loop
 /// is to follow well.
 pub const QUICK: f64 = 0.02;

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::axis::Axis;
 use crate::bed::{Arm, Bed, seconds};
+use crate::margin::{DriftMargin, drift_margin};
 use crate::{CommissionError, Ranged, Stage};
 
 /// Pairs of blocks.
@@ -22,6 +23,9 @@ pub struct Proof {
     pub pairs: Vec<(f64, f64)>,
     /// After over before with its paired 95 % interval; none where nothing was added.
     pub ratio: Option<Ranged>,
+    /// How far what was identified may drift before it hunts, in simulation.
+    #[serde(default)]
+    pub drift: Option<DriftMargin>,
 }
 
 /// Rig time of the stage \[s\].
@@ -35,8 +39,9 @@ pub fn seconds_needed() -> f64 {
 /// # Errors
 /// [`CommissionError`] if the rig refuses or the time is up.
 pub fn proof(axis: &mut Axis<'_>, bed: &Bed, arm: Arm) -> Result<Proof, CommissionError> {
+    let drift = Some(drift_margin(bed, arm)?);
     if arm == Arm::Linear {
-        return Ok(Proof { arm, pairs: Vec::new(), ratio: None });
+        return Ok(Proof { arm, pairs: Vec::new(), ratio: None, drift });
     }
     let bench = axis.bench()?;
     let mut pairs = Vec::new();
@@ -56,7 +61,7 @@ pub fn proof(axis: &mut Axis<'_>, bed: &Bed, arm: Arm) -> Result<Proof, Commissi
         });
     }
     let ratio = ratio(&pairs);
-    Ok(Proof { arm, pairs, ratio })
+    Ok(Proof { arm, pairs, ratio, drift })
 }
 
 /// The ratio of the errors by the mean of its logarithm over the pairs.

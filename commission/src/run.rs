@@ -96,7 +96,7 @@ pub fn run(
     let chosen: Chosen =
         stage(dossier, Stage::Model, &mut axis, |axis| model::model(axis, parts, &friction))?;
     let control: Control = stage(dossier, Stage::Control, &mut axis, |axis| {
-        control::control(axis, (known, &drive), (&friction, &chosen), proof::seconds_needed())
+        control::control(axis, parts, (&friction, &chosen), proof::seconds_needed())
     })?;
     let bed = Bed::of(known, &drive, (&friction, &chosen), control.design)?
         .resting(control.resting_angle)

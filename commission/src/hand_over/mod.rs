@@ -3,6 +3,7 @@
 mod page;
 mod parameters;
 mod summary;
+mod worth;
 
 use files::write_all;
 use serde::Serialize;

@@ -5,7 +5,8 @@ use report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace};
 use report::numbers::significant;
 
 use super::Found;
-use super::summary::{arm, drift, ending, proved, rest};
+use super::summary::{arm, drift, ending, margin, proved, rest, velocity};
+use super::worth;
 use crate::Ranged;
 use crate::friction::wanted::Wanted;
 
@@ -18,6 +19,7 @@ pub(super) fn page(found: &Found, wanted: &Wanted) -> Page {
         text(format!("Proof: {}.", proved(found))),
         text(format!("Fed forward: {}.", arm(found.control.arm))),
         text(format!("At rest: {}.", rest(found))),
+        text(format!("Margin: {}.", margin(found))),
         text(format!("Friction: {}.", ending(friction.ending, friction.blocks.len(), wanted))),
         text("Start the loop with parameters.yaml. Repeat the commission after work on the bearings, the gear or the load, and when the axis runs warmer or colder than today.".to_owned()),
     ];
@@ -25,21 +27,24 @@ pub(super) fn page(found: &Found, wanted: &Wanted) -> Page {
     blocks
         .extend(found.met.corrected.iter().map(|said| Block::Note(format!("Put right: {said}."))));
     blocks.extend([
-        Block::Heading("What was found".to_owned()),
+        Block::Heading("For the expert: what was found".to_owned()),
         table(found),
         Block::Figure(curve(found)),
         Block::Heading("Control".to_owned()),
         arms(found),
         text(format!(
-            "All arms have the same loop: K_p {}, K_i {}, K_d {}, sensitivity peak {}, {} V of noise from the encoder's steps. They differ in what the reference adds, so that robustness and noise are equal. Techniques that feed a model's estimate back are not tried here: `frictionlab run compensation` compares them.",
+            "All arms have the same loop: K_p {}, K_i {}, K_d {}, sensitivity peak {}, {} V of noise from the encoder's steps. They differ in what the reference adds, so that robustness and noise are equal.",
             significant(found.control.design.gains.k_p, 4),
             significant(found.control.design.gains.k_i, 4),
             significant(found.control.design.gains.k_d, 4),
             significant(found.control.design.sensitivity_peak, 3),
             significant(found.control.design.noise, 2)
         )),
+        text(format!("Velocity loop: {}.", velocity(found))),
         text("Not measured: pre-sliding stiffness, frictional lag, dependence on the position, torque in N m. `frictionlab run characterise` and `frictionlab identify` measure them.".to_owned()),
     ]);
+    let place = blocks.len() - 1;
+    blocks.splice(place..place, worth::blocks(&found.control));
     Page {
         title: "Commission".to_owned(),
         subtitle: format!(

@@ -1,6 +1,6 @@
 //! `parameters.yaml`: driver, observer and controller as a ROS 2 parameter file.
 
-use controller::ControllerParameters;
+use controller::{ControllerOptions, ControllerParameters, VelocityLaw};
 use friction_observer::parameters::{ObserverParameters, Regulated};
 use parameters::file::Writer;
 use parameters::{Declared, ParameterValue};
@@ -35,6 +35,13 @@ pub(super) fn render(known: &Known, found: &Found, bed: &Bed) -> Result<String, 
     file.value("period", period.clone(), "of the rig");
 
     file.node("/controller");
+    // The loop of `mode: velocity`, which is there to be switched to.
+    let controller = match found.control.velocity {
+        Some(velocity) => {
+            ControllerOptions { velocity: VelocityLaw::Pi(velocity.gains), ..controller }
+        }
+        None => controller,
+    };
     let said = ControllerParameters::of(&controller);
     let values = said.values();
     for declared in said.declarations() {

@@ -7,6 +7,7 @@ use report::numbers::{percent, significant};
 use super::Found;
 use crate::axis::Known;
 use crate::bed::Arm;
+use crate::control::Control;
 use crate::friction::Ending;
 use crate::friction::wanted::Wanted;
 
@@ -64,7 +65,10 @@ pub fn summary(found: &Found, wanted: &Wanted) -> String {
         ),
     );
     row("fed forward", arm(control.arm).to_owned());
+    row("fed back", fed_back(control));
     row("at rest", rest(found));
+    row("margin", margin(found));
+    row("velocity loop", velocity(found));
     row("proof", proved(found));
     row("rig time", format!("{:.0} s", found.seconds));
     text
@@ -93,6 +97,46 @@ pub(super) const fn arm(arm: Arm) -> &'static str {
         Arm::Reference => "the reference, through the inverse of the drive",
         Arm::Friction => "the reference through the inverse of the drive, and its friction",
     }
+}
+
+/// What is fed back, in words.
+pub(super) fn fed_back(control: &Control) -> String {
+    control.fed_back.map_or_else(
+        || "nothing: at equal robustness it is not clearly better".to_owned(),
+        |fed| {
+            let strength = significant(fed.strength, 2);
+            format!("{} of strength {strength} ({})", fed.kind, fed.kind.strength_is())
+        },
+    )
+}
+
+/// How far what was identified may drift, in words.
+pub(super) fn margin(found: &Found) -> String {
+    let Some(drift) = found.proof.drift else { return "not computed".to_owned() };
+    let share = |factor: f64| percent(100.0 * factor, 0);
+    format!(
+        "in simulation the shaft rests after a move while friction is {} to {} of what was found, and with a gain of up to {}",
+        share(drift.friction_falls),
+        share(drift.friction_rises),
+        share(drift.gain_rises)
+    )
+}
+
+/// The velocity loop, in words.
+pub(super) fn velocity(found: &Found) -> String {
+    found.control.velocity.map_or_else(
+        || "no PI keeps the margins; `frictionlab design velocity` tries gains of your own".to_owned(),
+        |design| {
+            format!(
+                "PI with K_p {} and K_i {}, crossover {} rad/s, sensitivity peak {}, {} mV of noise; `mode: velocity` starts it",
+                significant(design.gains.k_p, 4),
+                significant(design.gains.k_i, 4),
+                significant(design.crossover, 3),
+                significant(design.sensitivity_peak, 3),
+                significant(1e3 * design.noise, 3)
+            )
+        },
+    )
 }
 
 /// Whether the shaft rests after a move.
