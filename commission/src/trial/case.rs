@@ -64,8 +64,9 @@ pub struct Protocol {
     pub seconds: f64,
     /// Steps, and those in which the shaft turned steadily.
     pub steps: (usize, usize),
-    /// Parameters that have intervals; none where too few steps were steady, or the safety layer
-    /// ended it.
+    /// Whether it told a curve: not where too few steps were steady, or the safety layer ended it.
+    pub told: bool,
+    /// Parameters that have intervals.
     pub held: Vec<Held>,
 }
 
@@ -187,12 +188,13 @@ fn judge(
             let fixed = fixed(&mut axis, known, found, protocol);
             // Warming up goes on meanwhile.
             let end = truth(machine, found.seconds + axis.used());
+            let steps = fixed.as_ref().map_or((0, 0), |fixed| fixed.steps);
+            let curve = stopped(fixed)?.and_then(|fixed| fixed.curve);
             Some(Protocol {
                 seconds: axis.used() - before,
-                steps: fixed.as_ref().map_or((0, 0), |fixed| fixed.steps),
-                held: stopped(fixed)?
-                    .and_then(|fixed| fixed.curve)
-                    .map_or_else(Vec::new, |curve| held_by(&curve, &end)),
+                steps,
+                told: curve.is_some(),
+                held: curve.map_or_else(Vec::new, |curve| held_by(&curve, &end)),
             })
         }
     };

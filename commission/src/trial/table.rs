@@ -91,7 +91,7 @@ fn beside(done: &[&Commissioned]) -> Option<Beside> {
     let fixed: Vec<&Held> = both.iter().flat_map(|(_, protocol)| &protocol.held).collect();
     Some(Beside {
         machines: both.len(),
-        told: both.iter().filter(|(_, protocol)| !protocol.held.is_empty()).count(),
+        told: both.iter().filter(|(_, protocol)| protocol.told).count(),
         commission: Reached::of(both.iter().map(|(case, _)| case.seconds).collect(), &designed),
         protocol: Reached::of(both.iter().map(|(_, protocol)| protocol.seconds).collect(), &fixed),
     })
