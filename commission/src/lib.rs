@@ -26,6 +26,7 @@ pub mod meet;
 pub mod model;
 pub mod pareto;
 pub mod proof;
+pub mod protocols;
 pub mod run;
 mod stage;
 pub mod trial;

@@ -26,8 +26,13 @@ fn strange_machines_are_commissioned_within_their_limits_and_their_parameters_li
 {
     installed();
     let folder = tempfile::tempdir().unwrap();
-    let asked =
-        Trial { machines: machines(), seed: 5000, wanted: Wanted::default(), allowed: 600.0 };
+    let asked = Trial {
+        machines: machines(),
+        seed: 5000,
+        wanted: Wanted::default(),
+        allowed: 600.0,
+        protocol: None,
+    };
     let progress = Progress::new(1.0, true);
     let cases = trial(&asked, folder.path(), &Arc::default(), &progress).unwrap();
     let found = table(&cases);

@@ -40,6 +40,14 @@ impl Curve {
     /// # Errors
     /// [`CommissionError::Identification`] if they are too few or no friction.
     pub fn of(points: &[Point]) -> Result<Self, CommissionError> {
+        Self::known_to(points, KNOWN)
+    }
+
+    /// The same with no interval narrower than that `share` of its value.
+    ///
+    /// # Errors
+    /// As for [`of`](Self::of).
+    pub(super) fn known_to(points: &[Point], share: f64) -> Result<Self, CommissionError> {
         let steady: Vec<SteadyPoint> =
             points.iter().map(|point| SteadyPoint::new(point.velocity, point.volts)).collect();
         let fit = fit_stribeck(&steady, &StribeckOptions::default())
@@ -51,7 +59,7 @@ impl Curve {
                 .interval
                 .filter(|_| found.unidentifiable.is_none())
                 .unwrap_or((f64::NAN, f64::NAN));
-            Ranged::new(found.value, low, high).at_least(KNOWN)
+            Ranged::new(found.value, low, high).at_least(share)
         };
         let v_s = fit.estimate(StribeckParameter::StribeckVelocity);
         let fastest = points.iter().map(|point| point.velocity).fold(0.0, f64::max);

@@ -218,6 +218,18 @@ fn fitted(points: &[Point]) -> Result<Curve, CommissionError> {
     Ok(spread::widened(curve, &points, again))
 }
 
+/// The curve of these points with the intervals that their scatter and the choice of their speeds
+/// give, however narrow: what the converter's own gain is known to is not in them.
+///
+/// # Errors
+/// As for [`Curve::of`].
+pub fn scattered(points: &[Point]) -> Result<Curve, CommissionError> {
+    let points = drift::now(&even(points)).points;
+    let of = |points: &[Point]| Curve::known_to(points, 0.0);
+    let curve = of(&points)?;
+    Ok(spread::widened(curve, &points, |points| of(points).ok().filter(|again| again.dips)))
+}
+
 /// The points at which the shaft turned evenly; all of them where these are too few.
 fn even(points: &[Point]) -> Vec<Point> {
     let even: Vec<Point> = points.iter().filter(|point| point.uneven <= UNEVEN).copied().collect();

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use experiment_runner::protocol::ConstantVelocityProtocol;
 use machine_rig::{Machine, Peaks, forget, peaks};
 use rig_setup::{RigChoice, RigSetup};
 use serde::Serialize;
@@ -13,9 +14,11 @@ use super::finish::{Finish, finish};
 use super::truth::{Truth, truth};
 use crate::axis::{Axis, Known};
 use crate::bed::{Arm, Bed, amplitude};
+use crate::friction::Curve;
 use crate::friction::wanted::{CurveParameter, Wanted};
 use crate::hand_over::Found;
 use crate::loop_design::{Plant, QUICK, design};
+use crate::protocols::steps::{Fixed, steps};
 use crate::run::identity;
 use crate::{Asked, CommissionError, Dossier, Stage};
 
@@ -49,6 +52,22 @@ pub struct Commissioned {
     pub handed_over: Option<Finish>,
     /// What whoever knows the plant does there, likewise.
     pub oracle: Option<Finish>,
+    /// The fixed protocol on the same machine, where it was wanted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub protocol: Option<Protocol>,
+}
+
+/// What the fixed protocol of the thesis came to on a machine.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Protocol {
+    /// Rig time, with rests of a warm motor \[s\].
+    pub seconds: f64,
+    /// Steps, and those in which the shaft turned steadily.
+    pub steps: (usize, usize),
+    /// Whether it told a curve: not where too few steps were steady, or the safety layer ended it.
+    pub told: bool,
+    /// Parameters that have intervals.
+    pub held: Vec<Held>,
 }
 
 /// A machine of the trial.
@@ -89,8 +108,7 @@ pub fn case(
     machine: &Machine,
     file: &Path,
     folder: &Path,
-    wanted: &Wanted,
-    allowed: f64,
+    (wanted, allowed, protocol): (&Wanted, f64, Option<&ConstantVelocityProtocol>),
     stop: &Arc<AtomicBool>,
 ) -> Result<Case, CommissionError> {
     let place = file.display().to_string();
@@ -127,7 +145,8 @@ pub fn case(
     case.peaks = peaks(&place).unwrap_or_default();
     match outcome {
         Ok(outcome) => {
-            case.commissioned = Some(judge(machine, &asked, &known, &outcome.found, stop)?);
+            case.commissioned =
+                Some(judge(machine, (&asked, &known), (&outcome.found, protocol), stop)?);
         }
         Err(error) if error.is_stopped() => return Err(error),
         Err(error) => {
@@ -142,14 +161,14 @@ pub fn case(
 
 fn judge(
     machine: &Machine,
-    asked: &Asked,
-    known: &Known,
-    found: &Found,
+    (asked, known): (&Asked, &Known),
+    (found, protocol): (&Found, Option<&ConstantVelocityProtocol>),
     stop: &Arc<AtomicBool>,
 ) -> Result<Commissioned, CommissionError> {
     // Meet and drive come before the friction stage; what warms up goes on meanwhile.
     let (early, late) = (truth(machine, 0.0), truth(machine, found.seconds));
-    let held = held(found, &early, &late);
+    let held_by = |curve: &Curve, late: &Truth| held(curve, &early, late);
+    let held = held_by(&found.chosen.curve, &late);
     let progress = Progress::new(1.0, true);
     let allowed = f64::INFINITY;
     let mut axis = Axis::new(&asked.rig, asked.setup, Arc::clone(stop), &progress, (allowed, 0.0));
@@ -163,6 +182,23 @@ fn judge(
     let arm = found.control.arm;
     let handed_over = stopped(finish(&mut axis, &bed, arm))?;
     let oracle = stopped(oracle(&mut axis, machine, known, (&late, amplitude(&found.friction))))?;
+    let before = axis.used();
+    let protocol = match protocol {
+        None => None,
+        Some(protocol) => {
+            let fixed = fixed(&mut axis, known, found, protocol);
+            // Warming up goes on meanwhile.
+            let end = truth(machine, found.seconds + axis.used());
+            let steps = fixed.as_ref().map_or((0, 0), |fixed| fixed.steps);
+            let curve = stopped(fixed)?.and_then(|fixed| fixed.curve);
+            Some(Protocol {
+                seconds: axis.used() - before,
+                steps,
+                told: curve.is_some(),
+                held: curve.map_or_else(Vec::new, |curve| held_by(&curve, &end)),
+            })
+        }
+    };
     Ok(Commissioned {
         seconds: found.seconds,
         arm: found.control.arm,
@@ -170,19 +206,31 @@ fn judge(
         held,
         handed_over,
         oracle,
+        protocol,
     })
 }
 
 /// What the safety layer stopped is none; what the user stopped ends the trial.
-fn stopped(tried: Result<Finish, CommissionError>) -> Result<Option<Finish>, CommissionError> {
+fn stopped<T>(tried: Result<T, CommissionError>) -> Result<Option<T>, CommissionError> {
     match tried {
         Err(error) if error.is_stopped() => Err(error),
         tried => Ok(tried.ok()),
     }
 }
 
-fn held(found: &Found, early: &Truth, late: &Truth) -> Vec<Held> {
-    let curve = &found.chosen.curve;
+/// The fixed protocol with the loop of the friction stage, up to the fastest speed of that stage.
+fn fixed(
+    axis: &mut Axis<'_>,
+    known: &Known,
+    found: &Found,
+    protocol: &ConstantVelocityProtocol,
+) -> Result<Fixed, CommissionError> {
+    let parts = (&found.met, &found.drive);
+    let blocks = crate::friction::blocks(known, parts, &found.friction.followed_by);
+    steps(axis, &blocks, protocol, found.friction.speeds.1)
+}
+
+fn held(curve: &Curve, early: &Truth, late: &Truth) -> Vec<Held> {
     let all = [CurveParameter::FC, CurveParameter::FS, CurveParameter::VS, CurveParameter::Slope];
     let one = |parameter: CurveParameter| {
         // A curve without a dip says nothing of what makes one.

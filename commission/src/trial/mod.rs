@@ -11,12 +11,13 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use experiment_runner::protocol::ConstantVelocityProtocol;
 use files::write_all;
 use machine_rig::{Machine, random};
 use rig_setup::RigSetupError;
 use work::progress::Progress;
 
-pub use case::{Case, Commissioned, Held, case};
+pub use case::{Case, Commissioned, Held, Protocol, case};
 pub use finish::Finish;
 pub use table::{Table, table};
 
@@ -34,6 +35,8 @@ pub struct Trial {
     pub wanted: Wanted,
     /// Rig time that each may take \[s\].
     pub allowed: f64,
+    /// The fixed protocol that is driven beside it, where one is.
+    pub protocol: Option<ConstantVelocityProtocol>,
 }
 
 /// Tries them all. Each machine's file and results are in `folder`.
@@ -88,7 +91,10 @@ fn one(
     std::fs::create_dir_all(&results).map_err(|source| {
         CommissionError::Output(files::OutputError::Write { path: results.clone(), source })
     })?;
-    let work = || case(machine, &file, &results, &trial.wanted, trial.allowed, stop);
+    let work = || {
+        let asked = (&trial.wanted, trial.allowed, trial.protocol.as_ref());
+        case(machine, &file, &results, asked, stop)
+    };
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
         Ok(Case {
             name: machine.name.clone(),

@@ -4,7 +4,8 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::Case;
+use super::{Case, Commissioned, Held, Protocol};
+use crate::friction::wanted::CurveParameter;
 
 /// What came of all machines.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -26,6 +27,74 @@ pub struct Table {
     pub hunting: (usize, usize),
     /// What ended the others: machine, stage, words.
     pub refused: Vec<(String, String, String)>,
+    /// The fixed protocol and the commission on the machines that were driven by both.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beside: Option<Beside>,
+}
+
+/// What a way of measuring came to on many machines.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Reached {
+    /// Rig time to the curve, median \[s\].
+    pub seconds: f64,
+    /// Half widths of the intervals over the values, medians: f_c, f_s, v_s, slope.
+    pub widths: [f64; 4],
+    /// Share of the parameters that lie in their intervals, and their number.
+    pub held: (f64, usize),
+}
+
+/// The fixed protocol beside the commission.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Beside {
+    /// Machines that were driven by both.
+    pub machines: usize,
+    /// Of these, on how many the fixed protocol told a curve.
+    pub told: usize,
+    /// The commission as a whole, proof included.
+    pub commission: Reached,
+    /// The fixed protocol.
+    pub protocol: Reached,
+}
+
+impl Reached {
+    fn of(seconds: Vec<f64>, held: &[&Held]) -> Self {
+        let width = |parameter| {
+            let half = |held: &&&Held| held.parameter == parameter;
+            let share = |held: &&Held| {
+                let (low, high) = held.interval?;
+                Some((0.5 * (high - low) / held.value).abs())
+            };
+            quantiles(held.iter().filter(half).filter_map(share).collect()).0
+        };
+        let holds = held.iter().filter(|held| held.holds).count();
+        Self {
+            seconds: quantiles(seconds).0,
+            widths: [
+                width(CurveParameter::FC),
+                width(CurveParameter::FS),
+                width(CurveParameter::VS),
+                width(CurveParameter::Slope),
+            ],
+            held: (share(holds, held.len()), held.len()),
+        }
+    }
+}
+
+/// Both ways beside each other, over the same machines.
+fn beside(done: &[&Commissioned]) -> Option<Beside> {
+    let both: Vec<(&Commissioned, &Protocol)> =
+        done.iter().filter_map(|case| Some((*case, case.protocol.as_ref()?))).collect();
+    if both.is_empty() {
+        return None;
+    }
+    let designed: Vec<&Held> = both.iter().flat_map(|(case, _)| &case.held).collect();
+    let fixed: Vec<&Held> = both.iter().flat_map(|(_, protocol)| &protocol.held).collect();
+    Some(Beside {
+        machines: both.len(),
+        told: both.iter().filter(|(_, protocol)| protocol.told).count(),
+        commission: Reached::of(both.iter().map(|(case, _)| case.seconds).collect(), &designed),
+        protocol: Reached::of(both.iter().map(|(_, protocol)| protocol.seconds).collect(), &fixed),
+    })
 }
 
 /// Puts it together.
@@ -49,6 +118,7 @@ pub fn table(cases: &[Case]) -> Table {
             done.iter().filter(|case| hunts(case.oracle.as_ref())).count(),
         ),
         refused: cases.iter().filter_map(refused).collect(),
+        beside: beside(&done),
     }
 }
 
@@ -92,9 +162,31 @@ impl fmt::Display for Table {
         writeln!(f, "error over oracle, 95th     {:.2}", self.error.1)?;
         writeln!(f, "limits broken               {}", self.broken)?;
         writeln!(f, "hunting, and the oracle     {}, {}", self.hunting.0, self.hunting.1)?;
+        if let Some(beside) = &self.beside {
+            write!(f, "{beside}")?;
+        }
         for (name, stage, why) in &self.refused {
             writeln!(f, "refused: {name}, {stage}: {why}")?;
         }
         Ok(())
+    }
+}
+
+impl fmt::Display for Beside {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let percent = |share: f64| match share.is_finite() {
+            true => report::numbers::percent(100.0 * share, 2),
+            false => "-".to_owned(),
+        };
+        writeln!(f, "{:<28}{:<14}fixed protocol", "beside each other", "commission")?;
+        let mut row = |name: &str, of: &dyn Fn(&Reached) -> String| {
+            writeln!(f, "{name:<28}{:<14}{}", of(&self.commission), of(&self.protocol))
+        };
+        row("  rig time, median", &|reached| format!("{:.0} s", reached.seconds))?;
+        for (i, name) in ["f_c", "f_s", "v_s", "slope"].into_iter().enumerate() {
+            row(&format!("  {name}, half width, median"), &|reached| percent(reached.widths[i]))?;
+        }
+        row("  parameters in their 95 %", &|reached| percent(reached.held.0))?;
+        writeln!(f, "  the fixed protocol told a curve of {} of {}", self.told, self.machines)
     }
 }

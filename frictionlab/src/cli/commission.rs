@@ -10,6 +10,7 @@ use commission::run::{identity, look};
 use commission::trial::Trial;
 use commission::{Asked, CommissionError, Dossier, Stage};
 use experiment_runner::asked::rig::{Chosen, RigParser, choose};
+use experiment_runner::protocol::ConstantVelocityProtocol;
 use friction_model::{AnyModel, ModelName};
 use rig_driver::{Miswiring, RigRegistry};
 use rig_setup::{RigChoice, RigSetup};
@@ -45,6 +46,7 @@ use crate::interruption;
 ///   frictionlab commission --resume runs/commission-1   go on where it was stopped
 ///   frictionlab commission --resume runs/commission-1 --from friction --minutes 20
 ///   frictionlab commission --trial 20                   machines that nobody has seen
+///   frictionlab commission --protocols                  against the thesis's constant velocities
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct CommissionArgs {
@@ -93,6 +95,10 @@ pub struct CommissionArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000),
         conflicts_with_all = ["rig", "rig_file", "voltage_limit", "resume", "yes", "miswired", "plant"])]
     trial: Option<u32>,
+    /// Drive the thesis's constant velocities beside it, and show rig time and intervals of both: on
+    /// the simulated rig, or on every machine of --trial
+    #[arg(long, conflicts_with_all = ["rig", "rig_file", "voltage_limit", "resume", "yes", "miswired"])]
+    protocols: bool,
     /// Print nothing but errors
     #[arg(long)]
     quiet: bool,
@@ -126,8 +132,13 @@ pub fn execute(args: &CommissionArgs) -> anyhow::Result<()> {
     }
     if let Some(machines) = args.trial {
         let (seed, wanted) = (args.seed, args.want.clone());
-        let trial = Trial { machines, seed, wanted, allowed: 60.0 * args.minutes };
+        let protocol = args.protocols.then(ConstantVelocityProtocol::default);
+        let trial = Trial { machines, seed, wanted, allowed: 60.0 * args.minutes, protocol };
         return super::commission_trial::execute(&trial, &args.to, args.quiet, args.saying);
+    }
+    if args.protocols {
+        let asked = asked(args, &choose(Some(&RigChoice::Simulated), None)?)?;
+        return super::commission_protocols::execute(&asked, &args.to, args.quiet, args.saying);
     }
     let before = args.resume.as_deref().map(Dossier::open).transpose().map_err(worded)?;
     let chosen = chosen(args, before.as_ref().map(|(_, identity)| identity))?;

@@ -3,6 +3,7 @@
 mod advice;
 pub mod bag;
 pub mod commission;
+mod commission_protocols;
 mod commission_trial;
 mod commission_words;
 pub mod completions;
