@@ -22,6 +22,7 @@ pub mod loop_design;
 pub mod meet;
 pub mod model;
 pub mod proof;
+pub mod reach;
 pub mod run;
 mod stage;
 pub mod trial;
