@@ -6,14 +6,22 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use controller::{Controller, ControllerOptions, Feedback, Reference};
 use experiment_runner::control_loop::RunningLoop;
-use rig_driver::safety::MotorThermal;
+use experiment_runner::waveform::Waveform;
+use rig_driver::safety::{MotorThermal, Travel};
 use rig_driver::{Calibration, Measurement, Rig, RigError};
 use rig_setup::{
     BenchRig, Heat, Opened, REST, RigChoice, RigDescription, RigSetup, RigSetupError, Session,
 };
 use work::progress::Progress;
 
+use crate::reach::{self, Reach};
 use crate::{CommissionError, Stage};
+
+/// Shortest and longest way to a place \[s\], time to settle there, and how often it is tried.
+const SHORTEST_GO: f64 = 0.6;
+const LONGEST_GO: f64 = 8.0;
+const SETTLED: f64 = 0.5;
+const GOES: u32 = 2;
 
 /// What is known of a rig before it moves.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,6 +40,8 @@ pub struct Known {
     pub period: f64,
     /// The winding, where the safety layer watches it.
     pub winding: Option<MotorThermal>,
+    /// Where the shaft may be, by the rig's own count before it is calibrated.
+    pub travel: Option<Travel>,
 }
 
 impl Known {
@@ -99,6 +109,15 @@ impl<'a> Axis<'a> {
 
     /// Readings are corrected by this from now on.
     pub fn calibrate(&mut self, calibration: Calibration) {
+        let before = self.setup.calibration.unwrap_or_default();
+        // The ends turn with the encoder's sign.
+        if before.encoder_sign != calibration.encoder_sign {
+            self.setup.limits.travel = self.setup.limits.travel.map(|travel| Travel {
+                min: -travel.max,
+                max: -travel.min,
+                ..travel
+            });
+        }
         self.setup.calibration = Some(calibration);
     }
 
@@ -113,20 +132,32 @@ impl<'a> Axis<'a> {
         self.expected = description;
     }
 
+    /// The shaft is to stay in there, by the rig's own count.
+    pub fn stay_within(&mut self, travel: Option<Travel>) {
+        self.setup.limits.travel = travel;
+    }
+
+    /// Where the stages may be, as the readings are corrected; none where the travel has no ends.
+    #[must_use]
+    pub fn reach(&self) -> Option<Reach> {
+        self.setup.limits.travel.as_ref().map(Reach::within)
+    }
+
     /// Whether the user wants it to end.
     #[must_use]
     pub fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// Opens the rig, looks at it, and closes it. Nothing moves.
+    /// Opens the rig, looks at it, and closes it. Nothing moves. The travel that is `asked` for is
+    /// counted from where the shaft stands \[rad\].
     ///
     /// # Errors
     /// [`CommissionError::Rig`] for a rig that is not there, or limits that contradict each other.
-    pub fn look(&self) -> Result<Known, CommissionError> {
-        let opened = self.open()?;
+    pub fn look(&self, asked: Option<(f64, f64)>) -> Result<Known, CommissionError> {
+        let mut opened = self.open()?;
         opened.limits.check(opened.rig.period())?;
-        Ok(Known {
+        let known = Known {
             about: opened.about.clone(),
             description: opened.description.clone(),
             voltage: opened.limits.voltage,
@@ -134,7 +165,18 @@ impl<'a> Axis<'a> {
             torque: opened.sensors.torque,
             period: opened.rig.period(),
             winding: opened.limits.motor,
-        })
+            travel: opened.limits.travel,
+        };
+        if known.travel.is_none() && asked.is_none() {
+            return Ok(known);
+        }
+        // Where it stands is no matter for the safety layer while nothing moves.
+        opened.limits.travel = None;
+        let bench = Bench(BenchRig::new(opened, Arc::clone(&self.stop))?);
+        let place = bench.place()?;
+        let travel = asked.map(|asked| reach::around(place, asked)).or(known.travel);
+        travel.as_ref().map_or(Ok(()), |travel| reach::check(travel, place))?;
+        Ok(Known { travel, ..known })
     }
 
     /// Refuses what takes more rig time than is left.
@@ -199,6 +241,25 @@ impl<'a> Axis<'a> {
         self.turn(bench, stage, seconds, |seen| volts(seen.time))
     }
 
+    /// The same by `volts` of what is seen, positions by the rig's own count.
+    ///
+    /// # Errors
+    /// As for [`excite`](Self::excite).
+    pub fn answer(
+        &mut self,
+        bench: &Bench,
+        stage: Stage,
+        seconds: f64,
+        mut volts: impl FnMut(&Measurement) -> f64,
+    ) -> Result<Vec<Measurement>, CommissionError> {
+        let counted = |seen: &Measurement| Measurement {
+            encoder_position: seen.encoder_position + bench.origin(),
+            ..*seen
+        };
+        let seen = self.turn(bench, stage, seconds, |seen| volts(&counted(seen)))?;
+        Ok(seen.iter().map(counted).collect())
+    }
+
     /// Lets the position loop of `options` follow `reference` for `seconds`; `friction` is what the
     /// reference is believed to meet, for the controller's compensation \[V\].
     ///
@@ -224,6 +285,32 @@ impl<'a> Axis<'a> {
             };
             controller.step(&wanted, &feedback).total
         })
+    }
+
+    /// Goes smoothly to a place by the rig's own count \[rad\], if the shaft is not within `near` of
+    /// it, no faster than `fastest` [rad/s] in the mean.
+    ///
+    /// # Errors
+    /// As for [`excite`](Self::excite).
+    pub fn go(
+        &mut self,
+        bench: &Bench,
+        stage: Stage,
+        options: ControllerOptions,
+        (to, near): (f64, f64),
+        fastest: f64,
+    ) -> Result<(), CommissionError> {
+        for _ in 0..GOES {
+            let way = to - bench.place()?;
+            if way.abs() <= near {
+                return Ok(());
+            }
+            let duration = (way.abs() / fastest).clamp(SHORTEST_GO, LONGEST_GO);
+            let wave = Waveform::MovePosition { position: way, at: 0.0, duration };
+            let seconds = duration + SETTLED;
+            self.follow(bench, stage, seconds, options, |time| wave.at(time), |_| 0.0)?;
+        }
+        Ok(())
     }
 
     fn turn(
@@ -357,6 +444,25 @@ impl<'a> Axis<'a> {
 pub struct Bench(BenchRig);
 
 impl Bench {
+    /// Where the shaft is by the rig's own count \[rad\].
+    ///
+    /// # Errors
+    /// [`CommissionError::Rig`] if it refuses to say.
+    pub fn place(&self) -> Result<f64, CommissionError> {
+        if let Some(place) = self.0.place() {
+            return Ok(place);
+        }
+        drop(self.0.lend()?);
+        Ok(self.0.place().unwrap_or_default())
+    }
+
+    /// Where it was when the turn that goes on, or the last one, began \[rad\]: readings of a turn
+    /// are counted from there.
+    #[must_use]
+    pub fn origin(&self) -> f64 {
+        self.0.origin().unwrap_or_default()
+    }
+
     /// What the safety layer allows \[V\].
     #[must_use]
     pub const fn voltage_limit(&self) -> f64 {

@@ -19,6 +19,7 @@ use crate::friction::{Friction, plant};
 use crate::identified::{Identified, Levels, Settings};
 use crate::loop_design::{LoopDesign, Plant};
 use crate::model::Chosen;
+use crate::reach::Reach;
 use crate::{CommissionError, Stage};
 
 /// Amplitude of the task \[rad\], where the shaft is fast enough.
@@ -30,6 +31,12 @@ const PERIOD: f64 = 2.0;
 /// Its length, and when it begins to count \[s\].
 const SECONDS: f64 = 6.0;
 const FROM: f64 = 2.0;
+
+/// How near its middle a task begins where the travel has ends, as a share of it.
+const NEAR: f64 = 0.1;
+/// Part of a travel that the amplitude of the task may be: it has room for a move of as much from
+/// beside the middle, and for what overshoots.
+pub const PART: f64 = 0.25;
 
 /// What is fed forward.
 #[derive(
@@ -82,7 +89,7 @@ impl Bed {
         let curve = &chosen.curve;
         let levels = (curve.f_s.value, curve.f_c.value);
         let plant = refined(known, drive, chosen);
-        Self::new(plant, design, levels, (curve.v_s.value, 2.0), amplitude(friction))
+        Self::new(plant, design, levels, (curve.v_s.value, 2.0), amplitude(known, friction))
     }
 
     /// Of a plant, the static and the kinetic level \[V\], velocity [rad/s] and shape of the dip, and
@@ -278,6 +285,11 @@ impl Bed {
         part: (f64, f64),
     ) -> Result<Vec<f64>, CommissionError> {
         let (controller, estimator) = self.settings(arm);
+        if let Some(reach) = axis.reach() {
+            let place = (reach.middle(), NEAR * reach.length());
+            let still = self.settings(Arm::Linear).0;
+            axis.go(bench, stage, still, place, self.amplitude / PERIOD)?;
+        }
         axis.track(bench, stage, part, |rig: Box<dyn Rig + Send>| {
             let dt = TimeStep::new(rig.period()).map_err(TestBedError::from)?;
             let estimator = FrictionEstimator::new(&self.friction, estimator, dt)
@@ -291,8 +303,11 @@ impl Bed {
 
 /// Amplitude of the task \[rad\].
 #[must_use]
-pub fn amplitude(friction: &Friction) -> f64 {
-    AMPLITUDE.min(SPEED_SHARE * friction.speeds.1 * PERIOD / std::f64::consts::TAU)
+pub fn amplitude(known: &Known, friction: &Friction) -> f64 {
+    let travel = known.travel.as_ref().map_or(f64::INFINITY, |t| Reach::within(t).length());
+    AMPLITUDE
+        .min(PART * travel)
+        .min(SPEED_SHARE * friction.speeds.1 * PERIOD / std::f64::consts::TAU)
 }
 
 /// The plant with the gain of the friction curve, which is the better known; what the excitation

@@ -27,6 +27,7 @@ pub mod model;
 pub mod pareto;
 pub mod proof;
 pub mod protocols;
+pub mod reach;
 pub mod run;
 mod stage;
 pub mod trial;

@@ -4,7 +4,7 @@
 //! ramps of voltage from zero until the encoder moves, then steady voltages above that.
 
 use rig_driver::Calibration;
-use rig_setup::{Level, Procedure, RigDescription, run_procedure};
+use rig_setup::{Level, Procedure, RigDescription, Room, run_procedure};
 use serde::{Deserialize, Serialize};
 
 use crate::axis::{Axis, Known};
@@ -61,6 +61,7 @@ pub fn meet(axis: &mut Axis<'_>, known: &Known) -> Result<Met, CommissionError> 
         above: Some(ABOVE * known.voltage),
         fastest: Some(SPEED_SHARE * known.velocity),
         levels: LEVELS,
+        room: axis.reach().map(|reach| Room { low: reach.low, high: reach.high }),
         ..Procedure::default()
     };
     let found = axis.session(volts, |session, say| run_procedure(session, &procedure, say))?;

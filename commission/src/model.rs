@@ -49,7 +49,7 @@ pub fn model(
 ) -> Result<Chosen, CommissionError> {
     let menu = between(friction.speeds.0, friction.speeds.1);
     let bench = axis.bench()?;
-    let blocks = blocks(known, (met, drive), &friction.followed_by);
+    let blocks = blocks(known, (met, drive), &friction.followed_by, axis.reach());
     let mut held_back = Vec::new();
     for place in BETWEEN {
         let velocity = (menu[place] * menu[place + 1]).sqrt();

@@ -33,6 +33,9 @@ pub struct Asked {
     pub setup: RigSetup,
     /// How well the friction is to be known.
     pub wanted: Wanted,
+    /// Where the shaft may be, from where it stands when the command begins \[rad\]; none for the
+    /// travel of the rig's profile, which is by its own count.
+    pub travel: Option<(f64, f64)>,
     /// Rig time that may be used, that of before included \[s\].
     pub allowed: f64,
 }
@@ -52,13 +55,8 @@ pub struct Outcome {
 /// [`CommissionError`] for a rig that is not there, limits that contradict each other, or a rig
 /// that this command does not drive.
 pub fn look(asked: &Asked) -> Result<Known, CommissionError> {
-    if asked.setup.limits.travel.is_some() {
-        return Err(CommissionError::Asked(
-            "the travel of this rig is limited, and a commission turns the shaft several times round; measure with `frictionlab run drive-excitation` and `frictionlab run pre-sliding`, which stay within a travel".to_owned(),
-        ));
-    }
     let progress = Progress::new(1.0, true);
-    Axis::new(&asked.rig, asked.setup, Arc::default(), &progress, (0.0, 0.0)).look()
+    Axis::new(&asked.rig, asked.setup, Arc::default(), &progress, (0.0, 0.0)).look(asked.travel)
 }
 
 /// Does the stages that the folder does not have yet, and keeps each.
@@ -76,6 +74,7 @@ pub fn run(
     let mut axis =
         Axis::new(&asked.rig, asked.setup, Arc::clone(stop), progress, (asked.allowed, used));
     axis.drive_only(known.description.clone());
+    axis.stay_within(known.travel);
 
     let met: Met = stage(dossier, Stage::Meet, &mut axis, |axis| meet::meet(axis, known))?;
     axis.calibrate(met.calibration);

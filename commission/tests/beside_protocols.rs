@@ -20,7 +20,7 @@ fn chosen_blocks_reach_the_intervals_of_characterise_in_a_twentieth_of_its_time(
     let setup =
         RigSetup { friction: AnyModel::test_bed(ModelName::Proposed), ..RigSetup::default() };
     let wanted = Wanted::default();
-    let asked = Asked { rig: RigChoice::Simulated, setup, wanted, allowed: 600.0 };
+    let asked = Asked { rig: RigChoice::Simulated, setup, wanted, allowed: 600.0, travel: None };
     let protocol = ConstantVelocityProtocol::default();
     let progress = Progress::new(1.0, true);
     let found = beside(&asked, &protocol, &Arc::default(), &progress).unwrap();

@@ -20,6 +20,7 @@ fn asked(plant: ModelName, seed: u64) -> Asked {
         rig: RigChoice::Simulated,
         setup,
         wanted: "f_c:1%,f_s:3%,v_s:20%".parse().unwrap(),
+        travel: None,
         allowed: 600.0,
     }
 }

@@ -57,7 +57,7 @@ fn asked(machine: &Machine, folder: &Path, name: &str) -> (Asked, String) {
     let place = file.display().to_string();
     let rig: RigChoice = format!("machine:{place}").parse().unwrap();
     let setup = RigSetup { limits: machine.limits, ..RigSetup::default() };
-    (Asked { rig, setup, wanted: Wanted::default(), allowed: 600.0 }, place)
+    (Asked { rig, setup, wanted: Wanted::default(), travel: None, allowed: 600.0 }, place)
 }
 
 /// What comes of it, in a folder of its own.

@@ -96,6 +96,7 @@ fn a_commission_ends_at_zero_volts_wherever_it_is_stopped_and_goes_on_from_there
         rig,
         setup: RigSetup::default(),
         wanted: commission::friction::wanted::Wanted::default(),
+        travel: None,
         allowed: 3600.0,
     };
     let folder = tempfile::tempdir().unwrap();

@@ -14,9 +14,8 @@ use controller::{Controller, ControllerOptions, Feedback, Reference};
 use friction_model::{AnyModel, ModelName, TimeStep};
 use friction_observer::adaptive::{LevelOptions, ParameterOptions, StiffnessOptions};
 use friction_observer::{
-    DisturbanceObserverOptions, EstimatorOptions, FrictionEstimator, FuzzyOptions, RbfOptions, Seen,
-    SuperTwistingOptions, Technique,
-    VelocitySource,
+    DisturbanceObserverOptions, EstimatorOptions, FrictionEstimator, FuzzyOptions, RbfOptions,
+    Seen, SuperTwistingOptions, Technique, VelocitySource,
 };
 
 /// Steps of one measurement, and how many of them in front are not counted.

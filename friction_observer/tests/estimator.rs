@@ -4,8 +4,8 @@
 use friction_model::{AnyModel, ModelName, TimeStep};
 use friction_observer::adaptive::{LevelOptions, ParameterOptions, StiffnessOptions};
 use friction_observer::{
-    DisturbanceObserverOptions, EstimatorOptions, FrictionEstimator, FuzzyOptions, RbfOptions, Seen,
-    SuperTwistingOptions, Technique, VelocitySource,
+    DisturbanceObserverOptions, EstimatorOptions, FrictionEstimator, FuzzyOptions, RbfOptions,
+    Seen, SuperTwistingOptions, Technique, VelocitySource,
 };
 use proptest::prelude::*;
 

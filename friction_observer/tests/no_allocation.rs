@@ -12,8 +12,8 @@ use controller::{
 use friction_model::{AnyModel, ModelName, TimeStep};
 use friction_observer::adaptive::{LevelOptions, ParameterOptions, StiffnessOptions};
 use friction_observer::{
-    DisturbanceObserverOptions, EstimatorOptions, FrictionEstimator, FuzzyOptions, RbfOptions, Seen,
-    SuperTwistingOptions, Technique, VelocitySource,
+    DisturbanceObserverOptions, EstimatorOptions, FrictionEstimator, FuzzyOptions, RbfOptions,
+    Seen, SuperTwistingOptions, Technique, VelocitySource,
 };
 
 const CYCLES: u32 = 3000;

@@ -7,7 +7,7 @@ use rig_driver::safety::{RigLimits, SafetyLimits};
 use rig_driver::{Miswiring, RigError, Sensors, SimulationOptions};
 use serde::{Deserialize, Serialize};
 
-use crate::{Backlash, Breakdown, Forces};
+use crate::{Backlash, Breakdown, Forces, Stops};
 
 /// Friction that goes from cold to warm: a factor `1 + change (1 - exp(-t/time_constant))`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -63,6 +63,9 @@ pub struct Machine {
     /// A load behind backlash.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub backlash: Option<Backlash>,
+    /// Ends of its travel.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stops: Option<Stops>,
     /// Sensors and converters.
     #[serde(default)]
     pub sensors: Sensors,
@@ -227,6 +230,13 @@ impl Machine {
                     "above zero, and so soft that the integration follows it: more `substeps` help",
                 );
             }
+        }
+        if let Some(stops) = self.stops.filter(|stops| !stops.is_sound()) {
+            return refuse(
+                "stops.low",
+                stops.low,
+                "below zero, where the shaft begins, and `high` above it",
+            );
         }
         if let Some(Thermal { continuous, time_constant }) = self.thermal {
             if !positive(continuous) {

@@ -17,6 +17,7 @@ mod rig;
 mod shaft;
 mod shelf;
 mod simulated;
+mod stops;
 
 pub use backlash::Backlash;
 pub use breakdown::{Break, Breakdown};
@@ -26,3 +27,4 @@ pub use forces::{Forces, Gravity, Ripple, Spring};
 pub use peaks::Peaks;
 pub use rig::MachineRig;
 pub use shelf::{forget, peaks};
+pub use stops::Stops;

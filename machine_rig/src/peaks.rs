@@ -11,6 +11,9 @@ pub struct Peaks {
     pub velocity: f64,
     /// Farthest true position from the first \[rad\].
     pub position: f64,
+    /// Largest true speed at which a stop was met [rad/s].
+    #[serde(default)]
+    pub hit: f64,
     /// Voltage that was given out last \[V\].
     pub last_voltage: f64,
     /// Time that it was driven \[s\].

@@ -4,7 +4,7 @@ use friction_model::{Body, FrictionModel, Moment, Motor};
 use rig_driver::Truth;
 
 use crate::backlash::Load;
-use crate::{Backlash, Break, Forces, Machine, Warming};
+use crate::{Backlash, Break, Forces, Machine, Stops, Warming};
 
 /// What is left of inertia and friction once the load is torn off.
 const LEFT: f64 = 0.02;
@@ -30,6 +30,7 @@ pub(crate) struct Shaft<M: FrictionModel> {
     warming: Option<Warming>,
     play: Option<Backlash>,
     load: Load,
+    stops: Option<Stops>,
     /// Time \[s\].
     time: f64,
     factor: f64,
@@ -49,6 +50,7 @@ impl<M: FrictionModel> Shaft<M> {
             warming: machine.warming,
             play: machine.backlash,
             load: Load::default(),
+            stops: machine.stops,
             time: 0.0,
             factor: 1.0,
             blocked: false,
@@ -59,6 +61,13 @@ impl<M: FrictionModel> Shaft<M> {
     /// Torque of everything but the friction [N m].
     fn driving(&self, volts: f64, at: &Moment, taken: f64) -> f64 {
         self.motor.driving_torque(volts, at.velocity) + self.forces.torque(at.position) - taken
+            + self.stopped(at)
+    }
+
+    /// What a stop gives [N m].
+    fn stopped(&self, at: &Moment) -> f64 {
+        let inertia = self.left * self.motor.inertia;
+        self.stops.map_or(0.0, |stops| stops.torque(inertia, at.position, at.velocity))
     }
 
     /// Friction over the model's, now.
@@ -98,10 +107,13 @@ where
         // For the model that is a shaft with so much less inertia and torque.
         self.body.set_inertia(self.left * self.motor.inertia / factor);
         let taken = self.taken();
-        let (motor, forces) = (self.motor, &self.forces);
+        let (motor, forces, stops) = (self.motor, &self.forces, self.stops);
+        let inertia = self.left * motor.inertia;
         self.body.advance(h, |at| {
             let driving =
                 motor.driving_torque(volts, at.velocity) + forces.torque(at.position) - taken;
+            let stop = stops.map_or(0.0, |stops| stops.torque(inertia, at.position, at.velocity));
+            let driving = driving + stop;
             (driving / factor).into()
         });
         if let Some(play) = &self.play {

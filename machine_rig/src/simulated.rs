@@ -137,6 +137,12 @@ impl Simulated {
         if self.is_broken(Break::EncoderSkips) {
             self.lost += 0.05 * (truth.position - self.position_before).max(0.0);
         }
+        if let Some(stops) = self.machine.stops
+            && stops.beyond(self.position_before) == 0.0
+            && stops.beyond(truth.position) != 0.0
+        {
+            self.peaks.hit = self.peaks.hit.max(self.velocity_before.abs());
+        }
         self.position_before = truth.position;
         self.peaks.voltage = self.peaks.voltage.max(volts.abs());
         self.peaks.last_voltage = volts;

@@ -15,6 +15,7 @@ mod parameters;
 mod procedure;
 mod profile;
 mod session;
+mod strokes;
 mod terminal;
 
 pub use bench_rig::{BenchRig, PATIENCE, REST, Reopen};
@@ -30,4 +31,5 @@ pub use profile::{DriveSheet, PROFILE, RigProfile};
 pub use rig_driver::registry::{Opened, Pace, RigDescription, RigSetup, Scales, SensorsPresent};
 pub use rig_driver::safety::RigLimits;
 pub use session::Session;
+pub use strokes::Room;
 pub use terminal::{Display, findings_table};

@@ -11,6 +11,7 @@ use friction_ident::statistics::{Sample, line};
 use rig_driver::{Measurement, Sign};
 
 use super::findings::{Findings, Level};
+use super::strokes::{Room, strokes};
 use super::{RigSetupError, Session};
 
 /// Lengths and sizes of the steps.
@@ -34,6 +35,8 @@ pub struct Procedure {
     pub above: Option<f64>,
     /// Speed that no steady voltage is to reach [rad/s]; none for any.
     pub fastest: Option<f64>,
+    /// Where the shaft may be, where its travel has ends: the steady voltages are strokes then.
+    pub room: Option<Room>,
     /// Voltages in each direction.
     pub levels: u32,
     /// Time for a level to settle, and to be read \[s\].
@@ -54,6 +57,7 @@ impl Default for Procedure {
             again: 0.0,
             above: None,
             fastest: None,
+            room: None,
             levels: 3,
             settle: 0.4,
             read: 0.8,
@@ -126,7 +130,15 @@ pub fn run(
 
     let mut levels: Vec<(f64, Vec<Measurement>)> = Vec::new();
     let start = deadband_forward.value.max(deadband_backward.value);
-    for level in 1..=procedure.levels {
+    if let Some(room) = procedure.room {
+        say("strokes to and fro");
+        let highest = procedure.above.map_or(f64::INFINITY, |above| start + above);
+        let most = session.max_volts().min(highest);
+        let forward = encoder_sign.factor();
+        levels = strokes(session, room, (start, most), forward, procedure.settle)?;
+    }
+    let steady = if procedure.room.is_some() { 0 } else { procedure.levels };
+    for level in 1..=steady {
         let share = f64::from(level) / f64::from(procedure.levels);
         let highest = procedure.above.map_or(f64::INFINITY, |above| start + above);
         let mut volts = start + share * (session.max_volts().min(highest) - start);

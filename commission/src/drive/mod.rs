@@ -5,6 +5,7 @@
 //! the stretches differ, and hold whatever colour the residual of one has.
 
 mod output_error;
+mod strokes;
 
 use std::ops::Range;
 
@@ -67,6 +68,9 @@ pub struct Drive {
 pub fn drive(axis: &mut Axis<'_>, known: &Known, met: &Met) -> Result<Drive, CommissionError> {
     axis.say(Stage::Drive, "tones of voltage, forwards and back");
     let mut peak = peak(known, met);
+    if let Some(reach) = axis.reach() {
+        return strokes::drive(axis, met, reach, peak);
+    }
     let low = met.deadband.min(LOWEST * peak);
     let bench = axis.bench()?;
     let whole = (SECONDS / bench.period()) as usize;
@@ -85,7 +89,8 @@ pub fn drive(axis: &mut Axis<'_>, known: &Known, met: &Met) -> Result<Drive, Com
             why: "the motor becomes too warm by the model of the safety layer, even under little more than its friction; the thermal constants of the rig's parameters should be those of this motor".to_owned(),
         });
     }
-    evaluate(&seen, bench.period(), peak)
+    let pieces = pieces(seen.len() - 1, bench.period());
+    evaluate(&seen, pieces, bench.period(), peak)
 }
 
 /// As much as limits of voltage and speed allow.
@@ -102,11 +107,21 @@ fn peak(known: &Known, met: &Met) -> f64 {
 /// for inertia.
 fn excitation(low: f64, peak: f64, time: f64) -> f64 {
     let sign = if time < 0.5 * SECONDS { 1.0 } else { -1.0 };
-    let tones: f64 = TONES.iter().enumerate().map(|(i, w)| (w * time + i as f64).sin()).sum();
-    sign * (low + (peak - low) * (1.0 - TONE + TONE * tones / TONES.len() as f64))
+    sign * (low + (peak - low) * (1.0 - TONE + TONE * tones(time)))
 }
 
-fn evaluate(seen: &[Measurement], period: f64, peak: f64) -> Result<Drive, CommissionError> {
+/// The mean of all tones, from -1 to 1.
+fn tones(time: f64) -> f64 {
+    let tones: f64 = TONES.iter().enumerate().map(|(i, w)| (w * time + i as f64).sin()).sum();
+    tones / TONES.len() as f64
+}
+
+fn evaluate(
+    seen: &[Measurement],
+    pieces: impl IntoIterator<Item = Range<usize>>,
+    period: f64,
+    peak: f64,
+) -> Result<Drive, CommissionError> {
     let unusable =
         |why: &str| CommissionError::Unusable { stage: Stage::Drive, why: why.to_owned() };
     let encoder_step = encoder_step(seen).ok_or_else(|| {
@@ -115,9 +130,8 @@ fn evaluate(seen: &[Measurement], period: f64, peak: f64) -> Result<Drive, Commi
     // A reading tells the voltage of the cycle before it.
     let voltage: Vec<f64> = seen.iter().skip(1).map(|seen| seen.voltage_applied).collect();
     let position: Vec<f64> = seen.iter().map(|seen| seen.encoder_position).collect();
-    let fits: Vec<Fit> = pieces(voltage.len(), period)
-        .filter_map(|piece| fit(&voltage, &position, piece, period))
-        .collect();
+    let fits: Vec<Fit> =
+        pieces.into_iter().filter_map(|piece| fit(&voltage, &position, piece, period)).collect();
     // A stretch that is missed far more than the others was disturbed.
     let mut missed: Vec<f64> = fits.iter().map(|fit| fit.missed).collect();
     missed.sort_by(f64::total_cmp);

@@ -11,6 +11,7 @@ use rig_setup::REST;
 use serde::{Deserialize, Serialize};
 
 use crate::axis::{Axis, Bench};
+use crate::reach::Reach;
 use crate::{CommissionError, Stage};
 
 /// Length of a window \[s\].
@@ -19,6 +20,10 @@ pub(super) const WINDOW: f64 = 0.5;
 const WINDOWS: usize = 4;
 /// Windows that have to be steady.
 const ENOUGH: usize = 2;
+/// How near the lower end a block begins where the travel has ends, as a share of it, and the part
+/// of it that the way out may take.
+const HOME: f64 = 0.05;
+const WAY: f64 = 0.9;
 /// Shortest and longest time for the speed to settle in each direction \[s\], and how often the
 /// loop's own time it is.
 const SETTLE: (f64, f64) = (0.8, 2.5);
@@ -65,6 +70,8 @@ pub struct Blocks {
     pub inertia: f64,
     /// Angle of one count \[rad\].
     pub encoder_step: f64,
+    /// Where the shaft may be, where its travel has ends.
+    pub reach: Option<Reach>,
 }
 
 impl Blocks {
@@ -75,6 +82,15 @@ impl Blocks {
 
     fn half(&self, velocity: f64) -> f64 {
         2.0 * self.settle(velocity) + WINDOWS as f64 * WINDOW
+    }
+
+    /// The fastest speed whose way out is within the travel [rad/s].
+    #[must_use]
+    pub fn fastest(&self) -> f64 {
+        let Some(reach) = self.reach else { return f64::INFINITY };
+        // Where the speed is fast, the loop's own time counts and not the way that bristles take.
+        let settle = (TIMES / self.natural_frequency).clamp(SETTLE.0, SETTLE.1);
+        WAY * reach.length() / ((2.0 - STARTING) * settle + WINDOWS as f64 * WINDOW)
     }
 
     /// Rig time of a block at `velocity` [rad/s], with the rest before it \[s\].
@@ -96,6 +112,11 @@ impl Blocks {
     ) -> Result<Option<Point>, CommissionError> {
         let half = self.half(velocity);
         let reference = |time: f64| self.reference(velocity, time);
+        // The way out goes upwards.
+        if let Some(reach) = self.reach {
+            let home = (reach.low, HOME * reach.length());
+            axis.go(bench, stage, self.controller, home, reach.length())?;
+        }
         let friction = |now: &Reference| {
             if now.velocity == 0.0 { 0.0 } else { self.friction * now.velocity.signum() }
         };
@@ -203,6 +224,7 @@ mod tests {
             friction: 0.0,
             inertia: 0.02,
             encoder_step: 1e-3,
+            reach: None,
         }
     }
 

@@ -2,7 +2,7 @@
 //! follow.
 
 use super::block::WINDOW;
-use super::{Point, Underway};
+use super::{Blocks, Point, Underway};
 use crate::axis::Known;
 use crate::drive::Drive;
 use crate::meet::Met;
@@ -38,7 +38,12 @@ const SPEED_SHARE: f64 = 0.4;
 /// # Errors
 /// [`CommissionError::Unusable`] where the encoder is too coarse for the speeds that the voltage
 /// allows.
-pub(super) fn menu(known: &Known, met: &Met, drive: &Drive) -> Result<Vec<f64>, CommissionError> {
+pub(super) fn menu(
+    known: &Known,
+    met: &Met,
+    drive: &Drive,
+    blocks: &Blocks,
+) -> Result<Vec<f64>, CommissionError> {
     let counts = |counts: f64| counts * drive.encoder_step / WINDOW;
     let by_voltage =
         (SHARE * known.voltage - met.deadband).max(LEAST * known.voltage) * drive.gain.value;
@@ -47,7 +52,18 @@ pub(super) fn menu(known: &Known, met: &Met, drive: &Drive) -> Result<Vec<f64>, 
     let by_heat = (HOT * known.continuous() - met.deadband) / heats.max(f64::MIN_POSITIVE);
     let by_heat = by_heat.max(LEAST * by_voltage);
     let fastest = by_voltage.min(SPEED_SHARE * known.velocity).min(by_heat);
+    let by_travel = blocks.fastest();
+    let fastest = fastest.min(by_travel);
     let slowest = counts(COUNTS).min(fastest / NARROW).max(counts(FEW)).max(fastest / SPAN);
+    if fastest < 4.0 * slowest && fastest == by_travel {
+        return Err(CommissionError::Unusable {
+            stage: Stage::Friction,
+            why: format!(
+                "the encoder shows speeds from {slowest:.3} rad/s on, and the travel ends at {fastest:.3} rad/s: too little between; a travel {:.1} times as long, or a finer encoder, helps",
+                4.0 * slowest / fastest
+            ),
+        });
+    }
     if fastest < 4.0 * slowest {
         return Err(CommissionError::Unusable {
             stage: Stage::Friction,

@@ -28,6 +28,7 @@ use crate::drive::Drive;
 use crate::friction::wanted::Wanted;
 use crate::loop_design::{LoopDesign, Plant, STEADY, design};
 use crate::meet::Met;
+use crate::reach::Reach;
 use crate::{CommissionError, Stage};
 
 /// Blocks that the next stage holds back.
@@ -108,7 +109,12 @@ pub fn plant(known: &Known, drive: &Drive) -> Plant {
 
 /// How blocks are measured with that loop.
 #[must_use]
-pub fn blocks(known: &Known, (met, drive): (&Met, &Drive), design: &LoopDesign) -> Blocks {
+pub fn blocks(
+    known: &Known,
+    (met, drive): (&Met, &Drive),
+    design: &LoopDesign,
+    reach: Option<Reach>,
+) -> Blocks {
     let plant = plant(known, drive);
     let mut controller = design.controller(&plant);
     controller.inverse = PlantInverse::Whole(plant.drive);
@@ -121,6 +127,7 @@ pub fn blocks(known: &Known, (met, drive): (&Met, &Drive), design: &LoopDesign) 
         friction: KINETIC * met.deadband,
         inertia: plant.drive.time_constant / plant.drive.gain,
         encoder_step: plant.encoder_step,
+        reach,
     }
 }
 
@@ -140,8 +147,8 @@ pub fn friction(
 ) -> Result<Friction, CommissionError> {
     let plant = plant(known, drive);
     let followed_by = design(&plant, STEADY, Stage::Friction)?;
-    let measured = blocks(known, (met, drive), &followed_by);
-    let whole = menu(known, met, drive)?;
+    let measured = blocks(known, (met, drive), &followed_by, axis.reach());
+    let whole = menu(known, met, drive, &measured)?;
     let later = later + HELD_BACK as f64 * measured.seconds(whole[MENU / 3]);
     let bench = axis.bench()?;
     let mut curve = None;

@@ -85,18 +85,23 @@ pub struct Case {
     pub peaks: Peaks,
     /// Voltage and speed that were allowed.
     pub limits: (f64, f64),
+    /// Speed up to which a stop may be met [rad/s].
+    pub creeping: f64,
 }
 
+/// What creeps, as a share of the speed that the whole voltage gives.
+const CREEPING: f64 = 0.01;
 /// The most by which a shaft may run past its speed limit before the safety layer has it: what a
 /// cycle of full voltage adds, and noise.
 const PAST: f64 = 1.1;
 
 impl Case {
-    /// Whether voltage or speed went past what was allowed.
+    /// Whether voltage or speed went past what was allowed, or a stop was met faster than creeping.
     #[must_use]
     pub fn broke_limits(&self) -> bool {
         self.peaks.voltage > self.limits.0 * 1.001 + 0.5 * self.limits.0 / 128.0
             || self.peaks.velocity > PAST * self.limits.1
+            || self.peaks.hit > self.creeping
     }
 }
 
@@ -118,7 +123,7 @@ pub fn case(
         .map_err(|error| CommissionError::Asked(format!("{error}")))?;
     // The user's file has the limits that the maker of the machine gives.
     let setup = RigSetup { limits: machine.limits, ..RigSetup::default() };
-    let asked = Asked { rig, setup, wanted: wanted.clone(), allowed };
+    let asked = Asked { rig, setup, wanted: wanted.clone(), travel: None, allowed };
     let limits = (
         machine.limits.voltage.unwrap_or(machine.voltage_range),
         machine.limits.velocity.unwrap_or(f64::INFINITY),
@@ -130,6 +135,7 @@ pub fn case(
         refused: None,
         peaks: Peaks::default(),
         limits,
+        creeping: CREEPING * machine.motor.gain() * machine.voltage_range,
     };
     let known = match crate::run::look(&asked) {
         Ok(known) => known,
@@ -172,6 +178,7 @@ fn judge(
     let progress = Progress::new(1.0, true);
     let allowed = f64::INFINITY;
     let mut axis = Axis::new(&asked.rig, asked.setup, Arc::clone(stop), &progress, (allowed, 0.0));
+    axis.stay_within(known.travel);
     axis.calibrate(found.met.calibration);
     if !(found.met.tachometer && found.met.torque) {
         axis.trust_the_encoder_alone();
@@ -181,7 +188,8 @@ fn judge(
         .feeding_back(found.control.fed_back);
     let arm = found.control.arm;
     let handed_over = stopped(finish(&mut axis, &bed, arm))?;
-    let oracle = stopped(oracle(&mut axis, machine, known, (&late, amplitude(&found.friction))))?;
+    let oracle =
+        stopped(oracle(&mut axis, machine, known, (&late, amplitude(known, &found.friction))))?;
     let before = axis.used();
     let protocol = match protocol {
         None => None,
@@ -218,15 +226,19 @@ fn stopped<T>(tried: Result<T, CommissionError>) -> Result<Option<T>, Commission
     }
 }
 
-/// The fixed protocol with the loop of the friction stage, up to the fastest speed of that stage.
+/// The fixed protocol with the loop of the friction stage, up to the fastest speed of that stage. It
+/// goes one way for seconds: where the travel has ends it is not driven, and tells nothing.
 fn fixed(
     axis: &mut Axis<'_>,
     known: &Known,
     found: &Found,
     protocol: &ConstantVelocityProtocol,
 ) -> Result<Fixed, CommissionError> {
+    if axis.reach().is_some() {
+        return Ok(Fixed { curve: None, seconds: 0.0, steps: (0, 0) });
+    }
     let parts = (&found.met, &found.drive);
-    let blocks = crate::friction::blocks(known, parts, &found.friction.followed_by);
+    let blocks = crate::friction::blocks(known, parts, &found.friction.followed_by, None);
     steps(axis, &blocks, protocol, found.friction.speeds.1)
 }
 

@@ -103,6 +103,7 @@ fn one(
             refused: Some((Stage::Meet, "the program panicked".to_owned())),
             peaks: machine_rig::peaks(&file.display().to_string()).unwrap_or_default(),
             limits: (0.0, 0.0),
+            creeping: 0.0,
         })
     })
 }

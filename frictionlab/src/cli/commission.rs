@@ -64,6 +64,12 @@ pub struct CommissionArgs {
     /// [default: that of the profile, else 6]
     #[arg(long, value_name = "V")]
     voltage_limit: Option<f64>,
+    /// Where the shaft may be [rad], from where it stands when the command begins, as its encoder
+    /// counts: -0.5:1.5 is half a radian back and one and a half on
+    /// [default: the travel of the profile, by the rig's own count; else it has no ends]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = travel, allow_hyphen_values = true,
+        conflicts_with = "trial")]
+    travel: Option<(f64, f64)>,
     #[command(flatten)]
     to: ToFolder,
     /// Go on with the commission in this folder
@@ -104,6 +110,19 @@ pub struct CommissionArgs {
     quiet: bool,
     #[command(flatten)]
     saying: Saying,
+}
+
+/// A travel around where the shaft stands \[rad\].
+fn travel(text: &str) -> Result<(f64, f64), String> {
+    let ends = text.split_once(':').and_then(|(low, high)| {
+        Some((low.trim().parse::<f64>().ok()?, high.trim().parse::<f64>().ok()?))
+    });
+    ends.filter(|(low, high)| *low < 0.0 && *high > 0.0 && low.is_finite() && high.is_finite())
+        .ok_or_else(|| {
+            format!(
+                "`{text}` is no travel; expected LOW:HIGH in rad around where the shaft stands, as in -0.5:1.5"
+            )
+        })
 }
 
 /// A stage by its name.
@@ -224,7 +243,7 @@ fn asked(args: &CommissionArgs, chosen: &Chosen) -> anyhow::Result<Asked> {
     };
     setup.simulation.seed = args.seed;
     let (rig, wanted) = (chosen.rig.clone(), args.want.clone());
-    Ok(Asked { rig, setup, wanted, allowed: 60.0 * args.minutes })
+    Ok(Asked { rig, setup, wanted, travel: args.travel, allowed: 60.0 * args.minutes })
 }
 
 /// What the simulated rig is made of; none of a real one.

@@ -4,6 +4,7 @@
 //! that most machines have several difficulties at once. A machine is a function of its seed.
 
 mod friction;
+mod travel;
 
 use friction_model::{ModelName, Motor};
 use rand::{RngExt, SeedableRng};
@@ -92,7 +93,7 @@ pub fn machine(seed: u64) -> Machine {
         time_constant: draw.decades(5.0, 60.0),
     };
     let position_scale = if draw.is(0.1) { draw.decades(0.25, 4.0) } else { 1.0 };
-    Machine {
+    let machine = Machine {
         name: format!("machine {seed}"),
         motor,
         friction,
@@ -111,8 +112,10 @@ pub fn machine(seed: u64) -> Machine {
         wiring,
         thermal: Some(thermal),
         breaks: None,
+        stops: None,
         seed,
-    }
+    };
+    travel::limited(machine)
 }
 
 fn forces(draw: &mut Draw, level: f64, gear_ratio: f64) -> Forces {

@@ -1,6 +1,6 @@
 //! Where the rig is between two turns, and the keeper that reads it there.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
@@ -22,9 +22,47 @@ pub(super) struct Home {
     pub(super) failed: Mutex<Option<RigError>>,
     pub(super) stop: Arc<AtomicBool>,
     pub(super) over: AtomicBool,
+    /// Where the shaft was by the rig's own count when the present turn began, and in its last
+    /// cycle, as bits; what is no number is not known.
+    origin: AtomicU64,
+    place: AtomicU64,
 }
 
 impl Home {
+    /// A rig between two turns.
+    pub(super) fn new(paced: Paced, stop: Arc<AtomicBool>) -> Self {
+        let unknown = || AtomicU64::new(f64::NAN.to_bits());
+        Self {
+            rig: Mutex::new(Some(paced)),
+            failed: Mutex::new(None),
+            stop,
+            over: AtomicBool::new(false),
+            origin: unknown(),
+            place: unknown(),
+        }
+    }
+
+    /// A turn begins where the shaft is.
+    pub(super) fn begins_at(&self, position: f64) {
+        self.origin.store(position.to_bits(), Ordering::Relaxed);
+        self.is_at(position);
+    }
+
+    /// The shaft is there.
+    pub(super) fn is_at(&self, position: f64) {
+        self.place.store(position.to_bits(), Ordering::Relaxed);
+    }
+
+    /// Where the present turn began \[rad\].
+    pub(super) fn origin(&self) -> Option<f64> {
+        Some(f64::from_bits(self.origin.load(Ordering::Relaxed))).filter(|x| x.is_finite())
+    }
+
+    /// Where the shaft was seen last \[rad\].
+    pub(super) fn place(&self) -> Option<f64> {
+        Some(f64::from_bits(self.place.load(Ordering::Relaxed))).filter(|x| x.is_finite())
+    }
+
     /// A thread that reads the rig between two turns; none in lock-step, where nothing happens
     /// then.
     pub(super) fn kept(home: &Arc<Self>, pace: Pace) -> Option<JoinHandle<()>> {

@@ -82,12 +82,7 @@ impl BenchRig {
         let Opened { rig, limits, pace, sensors, description, .. } = opened;
         let paced = Paced::configured(rig, limits, pace, None)?;
         let (period, voltage_range) = (paced.rig.period(), paced.rig.voltage_range());
-        let home = Arc::new(Home {
-            rig: Mutex::new(Some(paced)),
-            failed: Mutex::new(None),
-            stop,
-            over: AtomicBool::new(false),
-        });
+        let home = Arc::new(Home::new(paced, stop));
         let keeper = Mutex::new(Home::kept(&home, pace));
         Ok(Self {
             home,
@@ -150,6 +145,20 @@ impl BenchRig {
         if let Some(paced) = locked(&self.home.rig).as_mut() {
             paced.rig.warm(rise);
         }
+    }
+
+    /// Where the shaft was by the rig's own count when the present turn, or the last one, began
+    /// \[rad\]; none before the first. Readings of a turn are counted from there.
+    #[must_use]
+    pub fn origin(&self) -> Option<f64> {
+        self.home.origin()
+    }
+
+    /// Where the shaft was by the rig's own count in the last cycle of a turn \[rad\]; none before
+    /// the first.
+    #[must_use]
+    pub fn place(&self) -> Option<f64> {
+        self.home.place()
     }
 
     /// The rig for one run: at rest, active, its time and position counted from here.

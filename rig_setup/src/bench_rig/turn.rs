@@ -36,7 +36,8 @@ impl Turn {
             if self.home.stop.load(Ordering::Relaxed) {
                 return Err(RigError::Stopped);
             }
-            paced.cycle()?;
+            let seen = paced.cycle()?;
+            self.home.begins_at(seen.encoder_position);
             paced.rig.apply(0.0)?;
         }
         // What stopped it says more than that it cannot be activated.
@@ -48,7 +49,11 @@ impl Turn {
 
     /// A reading counted from the turn's first.
     fn relative(&mut self, seen: Measurement) -> Measurement {
-        let origin = *self.origin.get_or_insert(seen);
+        let origin = *self.origin.get_or_insert_with(|| {
+            self.home.begins_at(seen.encoder_position);
+            seen
+        });
+        self.home.is_at(seen.encoder_position);
         Measurement {
             cycle: seen.cycle - origin.cycle.min(seen.cycle),
             time: seen.time - origin.time,

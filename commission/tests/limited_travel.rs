@@ -1,0 +1,66 @@
+//! Machines whose travel has ends meet none.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use commission::friction::wanted::Wanted;
+use commission::{Asked, CommissionError, Dossier, Outcome, run};
+use machine_rig::{Machine, MachineFactory, Stops, peaks, random};
+use rig_driver::RigRegistry;
+use rig_setup::{RigChoice, RigLimits, RigSetup};
+use work::progress::Progress;
+
+/// A machine of the seed with ends at -1.2 and 2.1 rad of its encoder.
+fn ended(seed: u64) -> Machine {
+    let machine = random::machine(seed);
+    let limits = RigLimits { travel: None, ..machine.limits };
+    let stops = Some(Stops { low: -1.2, high: 2.1 });
+    Machine { stops, limits, wiring: None, position_scale: 1.0, ..machine }
+}
+
+fn commissioned(
+    machine: &Machine,
+    travel: (f64, f64),
+    folder: &Path,
+) -> (Result<Outcome, CommissionError>, String) {
+    let file = folder.join("machine.json");
+    std::fs::write(&file, machine.text().unwrap()).unwrap();
+    let place = file.display().to_string();
+    let rig: RigChoice = format!("machine:{place}").parse().unwrap();
+    let setup = RigSetup { limits: machine.limits, ..RigSetup::default() };
+    let travel = Some(travel);
+    let asked = Asked { rig, setup, wanted: Wanted::default(), travel, allowed: 600.0 };
+    let go = || {
+        let known = run::look(&asked)?;
+        let results = folder.join("results");
+        std::fs::create_dir(&results).unwrap();
+        let dossier = Dossier::begin(&results, &run::identity(&asked, Some(&known), None))?;
+        run::run(&asked, &known, &dossier, &Arc::default(), &Progress::new(1.0, true))
+    };
+    (go(), place)
+}
+
+#[test]
+fn a_shaft_with_ends_never_meets_one() {
+    let _ = RigRegistry::standard().with(MachineFactory).install();
+    for seed in [3, 4] {
+        let folder = tempfile::tempdir().unwrap();
+        let (outcome, place) = commissioned(&ended(seed), (-1.1, 2.0), folder.path());
+        let peaks = peaks(&place).unwrap();
+        assert_eq!(peaks.hit, 0.0, "{seed}: {peaks:?}");
+        // A shaft that breaks away faster than its travel allows is refused, and has met no end.
+        let Ok(Outcome { found, .. }) = outcome else { continue };
+        let fastest = found.friction.speeds.1;
+        assert!(fastest < 3.1, "{seed}: a block at {fastest} rad/s does not fit in 3.1 rad");
+    }
+}
+
+#[test]
+fn a_travel_that_is_too_small_is_refused_with_what_is_needed_and_nothing_moves() {
+    let _ = RigRegistry::standard().with(MachineFactory).install();
+    let folder = tempfile::tempdir().unwrap();
+    let (outcome, place) = commissioned(&ended(3), (-0.1, 0.1), folder.path());
+    let error = outcome.unwrap_err();
+    assert!(error.is_bad_input() && error.to_string().contains("0.5 rad"), "{error}");
+    assert_eq!(peaks(&place).unwrap().voltage, 0.0);
+}
