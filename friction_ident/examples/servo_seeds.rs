@@ -4,7 +4,7 @@
 //! ```text
 //! cargo run --release -p friction_ident --example servo_seeds -- [FOLDER with xl330] [SEEDS] [EVALUATIONS]
 //! ```
-//! Ends with an error where the median over the seeds misses 34.2 mrad fitted or 35 mrad held out,
+//! Ends with an error where the median over the seeds misses 34.2 mrad fitted or 28.7 mrad held out,
 //! or where fewer than a thousand whole simulations a second are done on one core, a hundred times
 //! the peer's ten.
 
@@ -15,8 +15,7 @@ use std::time::Instant;
 
 use friction_ident::servo::space::usual;
 use friction_ident::servo::{
-    Control, Drive, Effort, FrictionLevel, Lanes, Physics, RawServoLog, ServoLog, ServoParameter,
-    search,
+    Control, Drive, Effort, FrictionLevel, Lanes, Physics, RawServoLog, ServoLog, search,
 };
 use friction_ident::statistics::Quartiles;
 
@@ -56,7 +55,7 @@ fn main() -> ExitCode {
     let data = std::env::var("FRICTION_DATA").unwrap_or_else(|_| "../shared/data".to_owned());
     let folder = arguments.next().map_or_else(|| Path::new(&data).join("xl330"), PathBuf::from);
     let seeds: u64 = arguments.next().and_then(|text| text.parse().ok()).unwrap_or(10);
-    let evaluations = arguments.next().and_then(|text| text.parse().ok()).unwrap_or(40_000);
+    let evaluations = arguments.next().and_then(|text| text.parse().ok()).unwrap_or(60_000);
     let mut files: Vec<PathBuf> = std::fs::read_dir(&folder)
         .into_iter()
         .flatten()
@@ -72,16 +71,12 @@ fn main() -> ExitCode {
     }
     let (train, held) = (Lanes::new(&train, &XL330), Lanes::new(&held, &XL330));
     let parameters = FrictionLevel::Progressive.parameters();
-    let mut free = usual(parameters);
-    // As the XL330's description has it.
-    for free in free.iter_mut().filter(|free| free.parameter == ServoParameter::RippleCount) {
-        (free.low, free.high) = (102.0, 105.0);
-    }
+    let free = usual(parameters);
     let (mut fitted, mut other) = (Vec::new(), Vec::new());
     let mut whole: f64 = 0.0;
     for seed in 0..seeds {
         let started = Instant::now();
-        let effort = Effort { evaluations, abandon: true };
+        let effort = Effort { evaluations, abandon: true, friction_varies: 0.1 };
         let found = search(&train, &free, seed, &effort, &mut |_, _| ControlFlow::Continue(()));
         let physics = Physics::new(parameters, &found.values);
         let rate = found.evaluations as f64 / started.elapsed().as_secs_f64();
@@ -108,10 +103,10 @@ fn main() -> ExitCode {
         "{whole:.0} whole simulations of twelve logs a second, {:.0} times the peer's ten",
         whole / 10.0
     );
-    if fitted.median <= 34.2 && other.median <= 35.0 && whole >= 1000.0 {
+    if fitted.median <= 34.2 && other.median <= 28.7 && whole >= 1000.0 {
         ExitCode::SUCCESS
     } else {
-        println!("MISSED: the bars are 34.2 and 35 mrad and 1000 simulations a second");
+        println!("MISSED: the bars are 34.2 and 28.7 mrad and 1000 simulations a second");
         ExitCode::FAILURE
     }
 }

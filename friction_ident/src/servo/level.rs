@@ -29,8 +29,7 @@ pub enum FrictionLevel {
     /// M5 plus S Q; Q is zero unless the torques oppose each other, then K_eq tau_e^2 if |tau_m| >
     /// |tau_e|, else K_mq tau_m^2.
     M6,
-    /// Our own: M4, in which L also grows with the square of the motor's torque, k_2 tau_m^2, and
-    /// ripples with the angle as the teeth of the gear pass, L (1 + a sin(n q) + b cos(n q)); goals
+    /// Our own: M4, in which L also grows with the square of the motor's torque, k_2 tau_m^2; goals
     /// take effect after a delay.
     Progressive,
 }
@@ -121,9 +120,6 @@ impl FrictionLevel {
                 StribeckExponent,
                 LoadSquared,
                 Delay,
-                RippleSine,
-                RippleCosine,
-                RippleCount,
             ],
         }
     }

@@ -51,7 +51,7 @@ pub enum ServoParameter {
     RippleSine,
     /// Cosine part.
     RippleCosine,
-    /// Ripples of friction a turn. The data choose it: no tooth count is assumed.
+    /// Ripples of friction a turn. No level fits them; parameters that are given may have them.
     RippleCount,
     /// What the position gain does over what the servo's description says it does.
     GainScale,

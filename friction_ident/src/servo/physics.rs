@@ -9,6 +9,22 @@ pub struct Physics {
     values: [f64; ServoParameter::ALL.len()],
 }
 
+/// What friction grows with.
+const FRICTION: [ServoParameter; 12] = [
+    Coulomb,
+    Viscous,
+    Load,
+    ExternalLoad,
+    MotorLoad,
+    StribeckCoulomb,
+    StribeckLoad,
+    StribeckExternal,
+    StribeckMotor,
+    QuadraticExternal,
+    QuadraticMotor,
+    LoadSquared,
+];
+
 impl Physics {
     /// The given parameters, all others neutral.
     pub fn new(parameters: &[ServoParameter], values: &[f64]) -> Self {
@@ -35,6 +51,15 @@ impl Physics {
     /// One coefficient.
     pub fn get(&self, parameter: ServoParameter) -> f64 {
         self.values[parameter as usize]
+    }
+
+    /// The same with every part of the friction times `factor`.
+    pub fn with_friction(&self, factor: f64) -> Self {
+        let mut physics = *self;
+        for part in FRICTION {
+            physics.set(part, factor * self.get(part));
+        }
+        physics
     }
 
     fn set(&mut self, parameter: ServoParameter, value: f64) {

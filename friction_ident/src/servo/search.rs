@@ -18,6 +18,35 @@ pub struct Effort {
     pub evaluations: usize,
     /// Give up candidates early that cannot be among the best half of a generation.
     pub abandon: bool,
+    /// Share by which friction may differ from one recording to the next, zero or more. A candidate
+    /// is judged by its mean error with so much less, with as much and with so much more friction:
+    /// where a servo comes to rest hangs on little, and a candidate that is right with one value
+    /// alone is right by chance. Zero judges it by its own friction, as the peer does.
+    pub friction_varies: f64,
+}
+
+impl Effort {
+    /// Factors of the friction that a candidate is judged with.
+    fn factors(&self) -> impl Iterator<Item = f64> + '_ {
+        let share = self.friction_varies;
+        let all = [1.0, 1.0 - share, 1.0 + share];
+        all.into_iter().take(if share > 0.0 { 3 } else { 1 })
+    }
+
+    /// The mean errors of candidates; infinite where one must exceed `limit`.
+    fn judge(&self, lanes: &Lanes, candidates: &[Physics], limit: f64) -> Vec<f64> {
+        let times = self.factors().count() as f64;
+        let mut sums = vec![0.0; candidates.len()];
+        for factor in self.factors() {
+            let some: Vec<Physics> =
+                candidates.iter().map(|physics| physics.with_friction(factor)).collect();
+            // What the best of them may still have before all exceed the limit.
+            let least = sums.iter().copied().fold(f64::INFINITY, f64::min);
+            let errors = lanes.errors_of(&some, times * limit - least);
+            sums.iter_mut().zip(errors).for_each(|(sum, error)| *sum += error);
+        }
+        sums.iter().map(|sum| sum / times).collect()
+    }
 }
 
 /// What a search found.
@@ -25,7 +54,7 @@ pub struct Effort {
 pub struct Found {
     /// The parameters, in the order asked for.
     pub values: Vec<f64>,
-    /// Mean position error \[rad\].
+    /// Mean position error with the friction of these parameters \[rad\].
     pub error: f64,
     /// Simulations done.
     pub evaluations: usize,
@@ -63,6 +92,7 @@ pub fn search_from(
         Physics::new(&parameters, &values)
     };
     let usual = CmaEs::usual_population(n);
+    let simulations = effort.factors().count();
     let mut restart = 0;
     'search: while evaluations < effort.evaluations {
         // Restarts alternate: larger and larger populations from anywhere, small ones around the
@@ -88,8 +118,8 @@ pub fn search_from(
                     _ => f64::INFINITY,
                 };
                 let candidates: Vec<Physics> = few.iter().map(|one| physics(&one.x)).collect();
-                for (candidate, value) in few.iter().zip(lanes.errors_of(&candidates, limit)) {
-                    evaluations += 1;
+                for (candidate, value) in few.iter().zip(effort.judge(lanes, &candidates, limit)) {
+                    evaluations += simulations;
                     let at = sorted.partition_point(|&other| other <= value);
                     sorted.insert(at, value);
                     if value < best.0 {
@@ -120,6 +150,8 @@ pub fn search_from(
             }
         }
     }
-    let values = free.iter().zip(&best.1).map(|(free, &x)| free.value_at(x)).collect();
-    Found { values, error: best.0, evaluations }
+    let values: Vec<f64> = free.iter().zip(&best.1).map(|(free, &x)| free.value_at(x)).collect();
+    let error =
+        if simulations == 1 { best.0 } else { lanes.error(&physics(&best.1), f64::INFINITY) };
+    Found { values, error, evaluations }
 }

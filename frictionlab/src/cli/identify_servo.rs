@@ -62,7 +62,7 @@ pub struct IdentifyServoArgs {
     hold_out: Vec<HoldOut>,
 
     /// Score the parameters of this file (`servo.json`, or the peer's) on the logs, without a fit.
-    #[arg(long, value_name = "PARAMS.json", conflicts_with_all = ["hold_out", "level", "delay", "seeds", "seed", "evaluations", "whole", "jobs"])]
+    #[arg(long, value_name = "PARAMS.json", conflicts_with_all = ["hold_out", "level", "delay", "seeds", "seed", "evaluations", "friction_varies", "whole", "jobs"])]
     evaluate: Option<PathBuf>,
 
     /// Friction level.
@@ -82,8 +82,14 @@ pub struct IdentifyServoArgs {
     seed: u64,
 
     /// Simulations of all logs in each search.
-    #[arg(long, value_name = "N", default_value_t = 30_000, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 60_000, value_parser = clap::value_parser!(u32).range(1..))]
     evaluations: u32,
+
+    /// How much friction may differ from one log to the next [%]: a candidate is judged with so much
+    /// less and so much more friction too, three simulations in all, so that none wins by chance.
+    /// With 0 it is judged by its own friction alone, as bam does.
+    #[arg(long, value_name = "PERCENT", default_value_t = 10.0, value_parser = varies)]
+    friction_varies: f64,
 
     /// Simulate every candidate to its end.
     #[arg(long)]
@@ -116,6 +122,11 @@ fn delay(text: &str) -> Result<DelayChoice, String> {
         (_, Ok(value)) if (0.0..=LONGEST_DELAY).contains(&value) => Ok(DelayChoice::Given(value)),
         _ => Err(format!("expected fit, none, or seconds from 0 to {LONGEST_DELAY}")),
     }
+}
+
+fn varies(text: &str) -> Result<f64, String> {
+    let share = text.parse().ok().filter(|share| (0.0..=50.0).contains(share));
+    share.ok_or_else(|| "expected per cent from 0 to 50".to_owned())
 }
 
 fn level(text: &str) -> Result<FrictionLevel, String> {
@@ -183,7 +194,11 @@ fn fit(
         splits: SPLITS,
         seeds: args.seeds as usize,
         first_seed: args.seed,
-        effort: Effort { evaluations: args.evaluations as usize, abandon: !args.whole },
+        effort: Effort {
+            evaluations: args.evaluations as usize,
+            abandon: !args.whole,
+            friction_varies: 0.01 * args.friction_varies,
+        },
         workers,
     };
     let folder = args.to.reserve("identify-servo")?;

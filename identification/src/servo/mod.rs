@@ -241,17 +241,6 @@ pub fn identify(
     })
 }
 
-/// The same, with the ripples of friction a turn held near the value found.
-fn around(free: &[Free], values: &[f64]) -> Vec<Free> {
-    let mut narrowed = free.to_vec();
-    for (free, value) in narrowed.iter_mut().zip(values) {
-        if free.parameter == ServoParameter::RippleCount {
-            (free.low, free.high) = (0.97 * value, 1.03 * value);
-        }
-    }
-    narrowed
-}
-
 /// Fits both halves of every split, each with half the evaluations of a search, beginning at what
 /// all logs together gave. Empty where the user stops.
 fn of_halves(
@@ -273,22 +262,15 @@ fn of_halves(
         let mut counted = 0;
         let first = Some(&all.values[..]);
         let seed = settings.first_seed;
-        let found = search_from(
-            &lanes,
-            &around(&settings.free, &all.values),
-            first,
-            seed,
-            &effort,
-            &mut |done, _| {
-                progress.advance((done - counted) as f64);
-                counted = done;
-                if cancel.load(Ordering::Relaxed) {
-                    ControlFlow::Break(())
-                } else {
-                    ControlFlow::Continue(())
-                }
-            },
-        );
+        let found = search_from(&lanes, &settings.free, first, seed, &effort, &mut |done, _| {
+            progress.advance((done - counted) as f64);
+            counted = done;
+            if cancel.load(Ordering::Relaxed) {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        });
         Ok::<_, IdentError>(found)
     };
     let mut found = Vec::new();
