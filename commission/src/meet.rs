@@ -68,9 +68,15 @@ pub fn meet(axis: &mut Axis<'_>, known: &Known) -> Result<Met, CommissionError> 
     let deadband = found.deadband_forward.value.max(found.deadband_backward.value);
     let slope = slope(&found.levels).ok_or_else(|| CommissionError::Unusable {
         stage: Stage::Meet,
-        why: format!(
-            "the speed hardly changes up to {volts} V, so that nothing can be said of the drive; `frictionlab rig check --max-volts V` shows what more does"
-        ),
+        why: match axis.reach() {
+            None => format!(
+                "the speed hardly changes up to {volts} V, so that nothing can be said of the drive; `frictionlab rig check --max-volts V` shows what more does"
+            ),
+            Some(reach) => format!(
+                "in strokes within {:.2} rad the shaft did not turn at two speeds that differ clearly, so that nothing can be said of the drive: it breaks away too fast to be stopped within the travel; a longer travel helps, or `frictionlab identify-stiction` on a recording of the axis",
+                reach.length()
+            ),
+        },
     })?;
     // A sensor that is not there is nothing to be put right.
     let there = |what: &str| match what {

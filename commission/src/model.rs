@@ -117,7 +117,7 @@ mod tests {
             sensitivity_peak: 1.0,
             noise: 0.0,
         };
-        let curve = Curve::of(&points).unwrap();
+        let curve = Curve::of(&points, 0.0).unwrap();
         let friction = Friction {
             curve,
             ending: Ending::Met,
@@ -125,6 +125,7 @@ mod tests {
             points,
             change: None,
             speeds: (0.02, 3.2),
+            kept_from: None,
             followed_by,
         };
         (friction, held_back)

@@ -8,7 +8,7 @@ use commission::trial::{Trial, table, trial};
 use commission::{Asked, Ranged};
 use experiment_runner::protocol::ConstantVelocityProtocol;
 use friction_model::{AnyModel, ModelName};
-use machine_rig::MachineFactory;
+use machine_rig::{MachineFactory, random};
 use rig_driver::RigRegistry;
 use rig_setup::{RigChoice, RigSetup};
 use work::progress::Progress;
@@ -44,9 +44,11 @@ fn machines_of_a_trial_are_driven_by_both_and_counted_on_both_sides() {
     let folder = tempfile::tempdir().unwrap();
     let protocol = ConstantVelocityProtocol { repetitions: 1, ..ConstantVelocityProtocol::quick() };
     let seconds = protocol.duration * protocol.velocities.len() as f64;
+    // Two neighbours whose shafts turn freely: the fixed protocol goes one way for seconds.
+    let free = |seed: &u64| (0..2).all(|i| random::machine(seed + i).stops.is_none());
     let asked = Trial {
         machines: 2,
-        seed: 9102,
+        seed: (9102..).find(free).unwrap(),
         wanted: Wanted::default(),
         allowed: 600.0,
         protocol: Some(protocol),

@@ -107,6 +107,9 @@ fn observers_know_the_direction() {
 fn a_change_while_running_does_not_jump() {
     let model = AnyModel::test_bed(ModelName::Proposed);
     let other = AnyModel::test_bed(ModelName::Gms);
+    // What moves itself by less than 0.006, the slips of a model that begins at rest among it, and a
+    // hundredth of the largest difference of two estimates, 0.2: the fade takes a hundred cycles.
+    let most = 0.008;
     for from in TECHNIQUES {
         for to in TECHNIQUES {
             let mut running = estimator(&model, from);
@@ -123,7 +126,7 @@ fn a_change_while_running_does_not_jump() {
                 }
                 let torque = running.estimate(&seen(k)).torque;
                 assert!(
-                    (torque - before).abs() < 0.006,
+                    (torque - before).abs() < most,
                     "{from:?} to {to:?}: from {before} to {torque} at {k}"
                 );
                 before = torque;

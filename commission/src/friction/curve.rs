@@ -10,7 +10,8 @@ use crate::{CommissionError, Ranged, Stage};
 /// No voltage is known better than this share of it, whatever the scatter: gain and steps of the
 /// converter and the ripple of the speed do not average out.
 const KNOWN: f64 = 1e-3;
-/// A dip ends below this share of the fastest speed: what bends farther up is another friction.
+/// A dip ends below this share of the fastest speed that the rig can have: what bends farther up is
+/// another friction.
 const SLOW: f64 = 0.3;
 /// A dip is at least this share of the kinetic level: less is no matter for a compensation.
 const DEEP: f64 = 0.02;
@@ -35,19 +36,24 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// The curve through the points; where no dip is clear of them, the straight line.
+    /// The curve through the points; where no dip is clear of them, the straight line. The rig can
+    /// turn as fast as `able` [rad/s], whether or not a point is there.
     ///
     /// # Errors
     /// [`CommissionError::Identification`] if they are too few or no friction.
-    pub fn of(points: &[Point]) -> Result<Self, CommissionError> {
-        Self::known_to(points, KNOWN)
+    pub fn of(points: &[Point], able: f64) -> Result<Self, CommissionError> {
+        Self::known_to(points, able, KNOWN)
     }
 
     /// The same with no interval narrower than that `share` of its value.
     ///
     /// # Errors
     /// As for [`of`](Self::of).
-    pub(super) fn known_to(points: &[Point], share: f64) -> Result<Self, CommissionError> {
+    pub(super) fn known_to(
+        points: &[Point],
+        able: f64,
+        share: f64,
+    ) -> Result<Self, CommissionError> {
         let steady: Vec<SteadyPoint> =
             points.iter().map(|point| SteadyPoint::new(point.velocity, point.volts)).collect();
         let fit = fit_stribeck(&steady, &StribeckOptions::default())
@@ -62,7 +68,7 @@ impl Curve {
             Ranged::new(found.value, low, high).at_least(share)
         };
         let v_s = fit.estimate(StribeckParameter::StribeckVelocity);
-        let fastest = points.iter().map(|point| point.velocity).fold(0.0, f64::max);
+        let fastest = points.iter().map(|point| point.velocity).fold(able, f64::max);
         let f_s = ranged(StribeckParameter::StaticFriction);
         let dips = v_s.unidentifiable.is_none()
             && v_s.value < SLOW * fastest

@@ -45,15 +45,8 @@ pub(super) fn menu(
     blocks: &Blocks,
 ) -> Result<Vec<f64>, CommissionError> {
     let counts = |counts: f64| counts * drive.encoder_step / WINDOW;
-    let by_voltage =
-        (SHARE * known.voltage - met.deadband).max(LEAST * known.voltage) * drive.gain.value;
-    // What a steady speed heats is what of its voltage is no back-EMF.
-    let heats = 1.0 / drive.gain.value - known.winding.map_or(0.0, |motor| motor.back_emf);
-    let by_heat = (HOT * known.continuous() - met.deadband) / heats.max(f64::MIN_POSITIVE);
-    let by_heat = by_heat.max(LEAST * by_voltage);
-    let fastest = by_voltage.min(SPEED_SHARE * known.velocity).min(by_heat);
     let by_travel = blocks.fastest();
-    let fastest = fastest.min(by_travel);
+    let fastest = by_limits(known, met, drive).min(by_travel);
     let slowest = counts(COUNTS).min(fastest / NARROW).max(counts(FEW)).max(fastest / SPAN);
     if fastest < 4.0 * slowest && fastest == by_travel {
         return Err(CommissionError::Unusable {
@@ -73,6 +66,17 @@ pub(super) fn menu(
         });
     }
     Ok(between(slowest, fastest))
+}
+
+/// The fastest speed that voltage, heat and the speed limit allow, whatever the travel [rad/s].
+pub(super) fn by_limits(known: &Known, met: &Met, drive: &Drive) -> f64 {
+    let by_voltage =
+        (SHARE * known.voltage - met.deadband).max(LEAST * known.voltage) * drive.gain.value;
+    // What a steady speed heats is what of its voltage is no back-EMF.
+    let heats = 1.0 / drive.gain.value - known.winding.map_or(0.0, |motor| motor.back_emf);
+    let by_heat = (HOT * known.continuous() - met.deadband) / heats.max(f64::MIN_POSITIVE);
+    let by_heat = by_heat.max(LEAST * by_voltage);
+    by_voltage.min(SPEED_SHARE * known.velocity).min(by_heat)
 }
 
 /// Speeds from the slowest to the fastest, evenly in the logarithm.

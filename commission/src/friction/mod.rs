@@ -21,7 +21,7 @@ pub use block::{Blocks, Point};
 pub use curve::Curve;
 pub(crate) use menu::between;
 
-use self::menu::{MENU, menu, narrowed, rarest, varied};
+use self::menu::{MENU, by_limits, menu, narrowed, rarest, varied};
 
 use crate::axis::{Axis, Known};
 use crate::drive::Drive;
@@ -79,6 +79,10 @@ pub struct Friction {
     pub change: Option<f64>,
     /// The slowest and the fastest speed that the shaft follows steadily [rad/s].
     pub speeds: (f64, f64),
+    /// The fastest speed that the limits allow, where the ends of the travel kept the blocks slower
+    /// [rad/s].
+    #[serde(default)]
+    pub kept_from: Option<f64>,
     /// The loop that followed the speeds.
     pub followed_by: LoopDesign,
 }
@@ -149,6 +153,9 @@ pub fn friction(
     let followed_by = design(&plant, STEADY, Stage::Friction)?;
     let measured = blocks(known, (met, drive), &followed_by, axis.reach());
     let whole = menu(known, met, drive, &measured)?;
+    let able = by_limits(known, met, drive);
+    let kept_from = (measured.fastest() < able).then_some(able);
+    let able = kept_from.unwrap_or_default();
     let later = later + HELD_BACK as f64 * measured.seconds(whole[MENU / 3]);
     let bench = axis.bench()?;
     let mut curve = None;
@@ -157,7 +164,7 @@ pub fn friction(
         let next = match FIRST.get(underway.points.len()) {
             Some(&first) => menu[first],
             None => {
-                let fitted = fitted(&underway.points)?;
+                let fitted = fitted(&underway.points, able)?;
                 let choice = choice::next(&fitted, &underway.points, wanted, &menu);
                 // So many that each speed is there more than once, or near another.
                 let done = wanted.missing(&fitted).is_empty() && underway.points.len() >= ENOUGH;
@@ -202,22 +209,22 @@ pub fn friction(
     };
     let curve = match curve {
         Some(curve) => curve,
-        None => fitted(&underway.points)?,
+        None => fitted(&underway.points, able)?,
     };
     let menu = narrowed(&whole, &underway);
     let Underway { blocks, points, .. } = underway;
     let drift::Drift { points, change } = drift::now(&even(&points));
     let speeds = (menu[0], menu[MENU - 1]);
-    Ok(Friction { curve, ending, blocks, points, change, speeds, followed_by })
+    Ok(Friction { curve, ending, blocks, points, change, speeds, kept_from, followed_by })
 }
 
-/// The curve of what was measured, as it is now.
-fn fitted(points: &[Point]) -> Result<Curve, CommissionError> {
+/// The curve of what was measured, as it is now, of a rig that can turn as fast as `able` [rad/s].
+fn fitted(points: &[Point], able: f64) -> Result<Curve, CommissionError> {
     let points = drift::now(&even(points)).points;
-    let curve = Curve::of(&points)?;
+    let curve = Curve::of(&points, able)?;
     let again = |points: &[Point]| {
         if curve.dips {
-            Curve::of(points).ok().filter(|curve| curve.dips)
+            Curve::of(points, able).ok().filter(|curve| curve.dips)
         } else {
             Curve::straight(points)
         }
@@ -232,7 +239,7 @@ fn fitted(points: &[Point]) -> Result<Curve, CommissionError> {
 /// As for [`Curve::of`].
 pub fn scattered(points: &[Point]) -> Result<Curve, CommissionError> {
     let points = drift::now(&even(points)).points;
-    let of = |points: &[Point]| Curve::known_to(points, 0.0);
+    let of = |points: &[Point]| Curve::known_to(points, 0.0, 0.0);
     let curve = of(&points)?;
     Ok(spread::widened(curve, &points, |points| of(points).ok().filter(|again| again.dips)))
 }

@@ -20,7 +20,7 @@ pub(super) fn page(found: &Found, wanted: &Wanted) -> Page {
         text(format!("Fed forward: {}.", arm(found.control.arm))),
         text(format!("At rest: {}.", rest(found))),
         text(format!("Margin: {}.", margin(found))),
-        text(format!("Friction: {}.", ending(friction.ending, friction.blocks.len(), wanted))),
+        text(format!("Friction: {}.", ending(friction, wanted))),
         text("Start the loop with parameters.yaml. Repeat the commission after work on the bearings, the gear or the load, and when the axis runs warmer or colder than today.".to_owned()),
     ];
     blocks.extend(friction.change.map(|change| Block::Note(format!("Drift: {}.", drift(change)))));

@@ -8,8 +8,8 @@ use super::Found;
 use crate::axis::Known;
 use crate::bed::Arm;
 use crate::control::Control;
-use crate::friction::Ending;
 use crate::friction::wanted::Wanted;
+use crate::friction::{Ending, Friction};
 
 /// What is believed of a rig before it moves.
 #[must_use]
@@ -29,7 +29,12 @@ pub fn believed(rig: &str, known: &Known, minutes: f64) -> String {
     let _ = writeln!(text, "used      the motor's voltage and the encoder; no other sensor");
     let _ = writeln!(
         text,
-        "motion    the shaft turns both ways, several times round, for at most {minutes} min; ctrl-C ends it at zero volts"
+        "motion    the shaft turns both ways, {}, for at most {minutes} min; ctrl-C ends it at zero volts",
+        known.travel.map_or("several times round".to_owned(), |travel| format!(
+            "from {} to {} rad by its encoder",
+            significant(travel.min, 3),
+            significant(travel.max, 3)
+        ))
     );
     text
 }
@@ -51,7 +56,7 @@ pub fn summary(found: &Found, wanted: &Wanted) -> String {
     row("f_c", curve.f_c.said("V"));
     row("f_s", curve.f_s.said("V"));
     row("v_s", curve.v_s.said("rad/s"));
-    row("friction", ending(friction.ending, friction.blocks.len(), wanted));
+    row("friction", ending(friction, wanted));
     if let Some(change) = friction.change {
         row("drift", drift(change));
     }
@@ -75,8 +80,9 @@ pub fn summary(found: &Found, wanted: &Wanted) -> String {
 }
 
 /// Why the friction stage ended, and what is still wanted.
-pub(super) fn ending(ending: Ending, blocks: usize, wanted: &Wanted) -> String {
-    match ending {
+pub(super) fn ending(friction: &Friction, wanted: &Wanted) -> String {
+    let blocks = friction.blocks.len();
+    let mut text = match friction.ending {
         Ending::Met => format!("every wanted interval is met ({wanted}) after {blocks} blocks"),
         Ending::NoDip => format!(
             "no dip is clear of the noise after {blocks} blocks, so that f_s and v_s have no meaning; all else that was wanted is met ({wanted})"
@@ -87,7 +93,17 @@ pub(super) fn ending(ending: Ending, blocks: usize, wanted: &Wanted) -> String {
         Ending::OutOfTime => format!(
             "not every wanted interval is met ({wanted}): the time was up after {blocks} blocks; `--resume FOLDER --from friction` with more --minutes goes on"
         ),
+    };
+    if let Some(able) = friction.kept_from {
+        // Writing to a string cannot fail.
+        let _ = write!(
+            text,
+            "; the travel is too short for speeds above {} rad/s, of {} that the limits allow: nothing is known of the friction there, nor of a dip that ends there",
+            significant(friction.speeds.1, 3),
+            significant(able, 3)
+        );
     }
+    text
 }
 
 /// What an arm is, in words.

@@ -63,7 +63,7 @@ pub fn steps(
         }
     }
     let enough = points.len() as f64 >= FEWEST * driven as f64;
-    let curve = enough.then(|| Curve::of(&points).ok()).flatten();
+    let curve = enough.then(|| Curve::of(&points, 0.0).ok()).flatten();
     Ok(Fixed { curve, seconds: axis.used() - begun, steps: (driven, points.len()) })
 }
 
