@@ -17,6 +17,16 @@ pub enum CommissionError {
     /// The rig cannot be opened, driven or understood.
     #[error(transparent)]
     Rig(#[from] RigSetupError),
+    /// The line to the rig failed, and what was underway could not be repeated.
+    #[error(
+        "{said}; {why}. Check the cable, the rig's supply, and what else keeps this machine busy; `frictionlab commission --resume FOLDER` goes on with what is kept"
+    )]
+    LineLost {
+        /// How it failed.
+        said: String,
+        /// Why it could not go on.
+        why: String,
+    },
     /// A result cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -78,6 +88,17 @@ impl CommissionError {
             Self::Rig(error) => error.is_bad_input(),
             Self::Output(error) => error.is_bad_input(),
             Self::Asked(_) => true,
+            _ => false,
+        }
+    }
+
+    /// Whether it is the line to the rig, or the time on this machine, that failed, and nothing
+    /// about the motor: what was underway may be repeated.
+    #[must_use]
+    pub const fn is_of_the_line(&self) -> bool {
+        match self {
+            Self::Rig(error) => error.is_of_the_line(),
+            Self::Loop(TestBedError::Rig(error)) => error.is_of_the_line(),
             _ => false,
         }
     }

@@ -150,6 +150,12 @@ pub trait Rig {
         self.beneath().and_then(Rig::winding_rise)
     }
 
+    /// Why the device holds the motor at zero volts until somebody clears that, in its own words:
+    /// its emergency stop, or a fault of its own. None where it does not, or does not say.
+    fn held_by(&self) -> Option<RigError> {
+        self.beneath().and_then(Rig::held_by)
+    }
+
     /// The fault that holds the motor at zero volts, as far as the rig knows it.
     fn latched_fault(&self) -> Option<FaultReport> {
         self.beneath().and_then(Rig::latched_fault)
@@ -260,6 +266,10 @@ mod tests {
             Some(4.0)
         }
 
+        fn held_by(&self) -> Option<RigError> {
+            Some(RigError::LineGone)
+        }
+
         fn latched_fault(&self) -> Option<FaultReport> {
             Some(FAULT)
         }
@@ -322,11 +332,12 @@ mod tests {
         );
         assert_eq!((layer.truth(), layer.latched_fault()), (Some(TRUTH), Some(FAULT)));
         assert_eq!(layer.winding_rise(), Some(4.0));
-        // Whoever adds a method to the trait adds it here: the ten told, the six asked, and both
+        assert_eq!(layer.held_by(), Some(RigError::LineGone));
+        // Whoever adds a method to the trait adds it here: the ten told, the seven asked, and both
         // ways to the rig beneath.
         let source = include_str!("rig.rs");
         let (_, of_the_trait) = source.split_once("pub trait Rig {").expect("the trait");
         let (of_the_trait, _) = of_the_trait.split_once("\n}\n").expect("its end");
-        assert_eq!(of_the_trait.matches("\n    fn ").count(), told.len() + 6 + 2);
+        assert_eq!(of_the_trait.matches("\n    fn ").count(), told.len() + 7 + 2);
     }
 }

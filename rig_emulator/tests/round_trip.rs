@@ -8,7 +8,7 @@ use bench::{Bench, cycle, drive_until_trouble, patient};
 use friction_model::{AnyModel, ModelName};
 use rig_driver::{
     Rig, RigError, SimulationOptions,
-    safety::{Request, Supervised},
+    safety::{Request, SafetyLimits, Supervised},
     serial::{Cause, SerialError, SerialOptions, SerialRig, State},
 };
 
@@ -249,4 +249,30 @@ fn an_emergency_stop_latches_in_the_device_until_cleared() {
     bench.pass(5);
     let status = bench.finish();
     assert_eq!(status["state"], "inactive", "a host that leaves deactivates");
+}
+
+/// Under the safety layer too, what the device stopped the motor for is told in the device's words,
+/// and it is no matter of the line.
+#[test]
+fn the_safety_layer_names_what_the_device_stopped_the_motor_for() {
+    for (order, words) in [("stop", "the emergency stop"), ("fault", "the motor's driver stage")] {
+        let mut bench = Bench::start(&[]);
+        let rig = bench.open();
+        // A busy machine may be late.
+        let limits = rig_driver::serial::limits(rig.hello());
+        let limits = SafetyLimits { cycle_lost: 10.0, ..limits };
+        let mut rig = Supervised::activated(rig, limits).unwrap();
+        let mut drive = || {
+            rig.wait()?;
+            rig.measure();
+            rig.apply(1.0)
+        };
+        (0..20).for_each(|_| drive().unwrap());
+        bench.order(order);
+        let error = (0..100_000).find_map(|_| drive().err()).unwrap();
+        assert!(error.to_string().contains(words), "{order}: {error}");
+        assert!(!error.is_of_the_line(), "{error:?}");
+        drop(rig);
+        bench.finish();
+    }
 }

@@ -67,6 +67,13 @@ pub enum RigSetupError {
 }
 
 impl RigSetupError {
+    /// Whether it is the line to the rig that failed, and nothing about the motor; see
+    /// [`RigError::is_of_the_line`].
+    #[must_use]
+    pub const fn is_of_the_line(&self) -> bool {
+        matches!(self, Self::Rig(error) if error.is_of_the_line())
+    }
+
     /// Whether whoever asked for it can mend it: another rig, another option, another profile.
     /// Nothing has moved then. A rig that is lost, or wired wrongly, is no such thing.
     #[must_use]

@@ -6,6 +6,7 @@
 
 mod bench_rig;
 mod choice;
+mod come_back;
 mod description;
 mod error;
 mod findings;
@@ -18,8 +19,9 @@ mod session;
 mod strokes;
 mod terminal;
 
-pub use bench_rig::{BenchRig, PATIENCE, REST, Reopen};
+pub use bench_rig::{BenchRig, REST, Reopen};
 pub use choice::RigChoice;
+pub use come_back::{PATIENCE, come_back};
 pub use description::require_device;
 pub use error::{NotReopened, RigFileError, RigSetupError, SectionError};
 pub use findings::{Findings, Level, Verdict};

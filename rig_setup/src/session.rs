@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use rig_driver::safety::{SafetyLimits, Supervised};
 use rig_driver::{Measurement, Rig, RigError};
@@ -19,6 +19,7 @@ pub struct Session<'a> {
     max_volts: f64,
     on_cycle: Box<dyn FnMut(&Measurement) + 'a>,
     heat: Option<Heat>,
+    heard: SystemTime,
 }
 
 impl<'a> Session<'a> {
@@ -57,6 +58,7 @@ impl<'a> Session<'a> {
             max_volts,
             on_cycle: Box::new(|_| {}),
             heat,
+            heard: SystemTime::now(),
         })
     }
 
@@ -96,6 +98,12 @@ impl<'a> Session<'a> {
         self.heat
     }
 
+    /// When the rig was heard last, by a clock that goes on while the machine sleeps.
+    #[must_use]
+    pub const fn heard(&self) -> SystemTime {
+        self.heard
+    }
+
     /// Rests while the winding is warm.
     ///
     /// # Errors
@@ -131,6 +139,7 @@ impl<'a> Session<'a> {
                 self.rig.tell_time(self.started.elapsed().as_secs_f64());
             }
         }
+        self.heard = SystemTime::now();
         let seen = self.rig.measure();
         (self.on_cycle)(&seen);
         self.rig.apply(volts(&seen))?;

@@ -73,13 +73,15 @@ fn excite(
     let (sign, cycle) = (Cell::new(1.0), Cell::new(0_usize));
     let before = RefCell::new(std::collections::VecDeque::with_capacity(span + 2));
     let turned = RefCell::new(vec![0_usize]);
-    let first = Cell::new(true);
     let seen = axis.answer(bench, Stage::Drive, SECONDS, |seen| {
         let place = seen.encoder_position;
-        if first.replace(false) && place > reach.middle() {
-            sign.set(-1.0);
-        }
         let mut before = before.borrow_mut();
+        if seen.cycle == 0 {
+            sign.set(if place > reach.middle() { -1.0 } else { 1.0 });
+            cycle.set(0);
+            before.clear();
+            turned.replace(vec![0]);
+        }
         before.push_back(place);
         let speed = if before.len() > span {
             let old = before.pop_front().unwrap_or(place);

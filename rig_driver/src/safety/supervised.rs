@@ -159,6 +159,12 @@ impl<R: Rig> Supervised<R> {
         }
     }
 
+    /// Where it is the device that holds the motor, its own words say more than that it does.
+    fn by_the_device(&self) -> Option<RigError> {
+        let of_the_device = |report: &&FaultReport| report.fault == Fault::BackEnd;
+        self.supervisor.latched().filter(of_the_device).and_then(|_| self.rig.held_by())
+    }
+
     fn now(&self, seen: &Measurement) -> f64 {
         self.told.unwrap_or(seen.time)
     }
@@ -209,7 +215,7 @@ impl<R: Rig> Rig for Supervised<R> {
         match (self.supervisor.latched(), self.supervisor.state()) {
             (_, State::Active) => Ok(()),
             _ if volts == 0.0 => Ok(()),
-            (Some(&report), _) => Err(RigError::Safety(report)),
+            (Some(&report), _) => Err(self.by_the_device().unwrap_or(RigError::Safety(report))),
             (None, state) => Err(RigError::NotActive(state)),
         }
     }

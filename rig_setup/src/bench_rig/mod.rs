@@ -23,9 +23,6 @@ use super::{Opened, RigDescription, RigSetupError, SensorsPresent};
 /// Time for the shaft to come to rest before each turn \[s\].
 pub const REST: f64 = 1.0;
 
-/// Longest time in which a line that failed may come back \[s\].
-pub const PATIENCE: f64 = 30.0;
-
 /// Opens the rig once more, as it was opened.
 pub type Reopen = Box<dyn Fn() -> Result<Opened, RigSetupError> + Send + Sync>;
 

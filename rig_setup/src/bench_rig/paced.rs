@@ -67,9 +67,4 @@ impl Paced {
         self.heard = SystemTime::now();
         Ok(self.rig.measure())
     }
-
-    /// Time since the rig was heard \[s\]; 0 where the clock was set back.
-    pub(super) fn silence(heard: SystemTime) -> f64 {
-        heard.elapsed().map_or(0.0, |since| since.as_secs_f64())
-    }
 }

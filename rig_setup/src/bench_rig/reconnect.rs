@@ -1,21 +1,18 @@
 //! The rig opened anew after its line failed.
 
 use std::sync::atomic::Ordering;
-use std::thread;
-use std::time::{Duration, SystemTime};
+use std::time::SystemTime;
 
-use rig_driver::{Rig, RigError};
+use rig_driver::Rig;
 
 use super::home::Home;
 use super::paced::Paced;
-use super::{Again, BenchRig, PATIENCE, locked};
-use crate::{NotReopened, RigSetupError};
-
-/// Pause between two attempts to open it.
-const RETRY: Duration = Duration::from_millis(100);
+use super::{Again, BenchRig, locked};
+use crate::NotReopened;
+use crate::come_back::{come_back, silence};
 
 impl BenchRig {
-    /// Opens the rig anew after its line failed, up to [`PATIENCE`] after it was heard last:
+    /// Opens the rig anew after its line failed, up to [`PATIENCE`](crate::PATIENCE) after it was heard last:
     /// inactive, at zero volts, its motor as warm as it was. Nothing of the old session stays; a
     /// fault that is latched in the device is not cleared. The time that it took \[s\].
     ///
@@ -38,29 +35,9 @@ impl BenchRig {
         let old = locked(&self.home.rig).take();
         let rise = old.as_ref().and_then(|old| old.rig.supervisor().rise());
         let heard = old.as_ref().map_or(SystemTime::UNIX_EPOCH, |old| old.heard);
-        // A program that was stopped, or slept with its machine, must not surprise who stands at
-        // the rig by now.
-        let too_late = || Paced::silence(heard) > PATIENCE;
         // Zero volts, and the end of the session.
         drop(old);
-        let opened = loop {
-            if self.home.stop.load(Ordering::Relaxed) {
-                return not(RigError::Stopped.to_string());
-            }
-            match reopen() {
-                Ok(opened) => break opened,
-                Err(error @ RigSetupError::OtherDevice { .. }) => return not(error.to_string()),
-                Err(error) if too_late() => {
-                    return not(format!("it did not come back within {PATIENCE} s: {error}"));
-                }
-                Err(_) => thread::sleep(RETRY),
-            }
-        };
-        if too_late() {
-            return not(format!(
-                "it was not heard for more than {PATIENCE} s, and nobody knows who is at the rig by now"
-            ));
-        }
+        let opened = come_back(reopen, heard, &self.home.stop)?;
         if let Some(before) = &self.description {
             let difference = opened.description.as_ref().and_then(|now| before.differs_from(now));
             if let Some(what) = difference {
@@ -75,8 +52,10 @@ impl BenchRig {
             .map_err(|error| NotReopened(error.to_string()))?;
         *locked(&self.home.rig) = Some(paced);
         locked(&self.home.failed).take();
+        // Its count may have begun anew.
+        self.home.begins_at(f64::NAN);
         self.home.over.store(false, Ordering::Relaxed);
         *locked(&self.keeper) = Home::kept(&self.home, pace);
-        Ok(Paced::silence(heard))
+        Ok(silence(heard))
     }
 }

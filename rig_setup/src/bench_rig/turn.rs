@@ -43,7 +43,10 @@ impl Turn {
         // What stopped it says more than that it cannot be activated.
         match paced.rig.request(Request::Activate) {
             Ok(_) => Ok(()),
-            Err(refused) => Err(paced.rig.latched_fault().map_or(refused, RigError::Safety)),
+            Err(refused) => {
+                let latched = || paced.rig.latched_fault().map(RigError::Safety);
+                Err(paced.rig.held_by().or_else(latched).unwrap_or(refused))
+            }
         }
     }
 

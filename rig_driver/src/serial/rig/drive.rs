@@ -161,6 +161,12 @@ impl Rig for SerialRig {
         Ok(())
     }
 
+    fn held_by(&self) -> Option<RigError> {
+        let (device, ..) = self.newest?;
+        let latched = matches!(device.state, State::Fault | State::EmergencyStopped);
+        latched.then(|| SerialError::NotActive { state: device.state, cause: device.cause }.into())
+    }
+
     fn latched_fault(&self) -> Option<safety::FaultReport> {
         self.finding
     }

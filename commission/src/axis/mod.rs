@@ -1,8 +1,12 @@
 //! The rig as the stages drive it: under the safety layer, with its time counted.
 
+mod opening;
+mod repeats;
+
 use std::cell::Cell;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::SystemTime;
 
 use controller::{Controller, ControllerOptions, Feedback, Reference};
 use experiment_runner::control_loop::RunningLoop;
@@ -14,6 +18,8 @@ use rig_setup::{
 };
 use work::progress::Progress;
 
+use self::opening::Opening;
+use self::repeats::Repeats;
 use crate::reach::{self, Reach};
 use crate::{CommissionError, Stage};
 
@@ -53,11 +59,11 @@ impl Known {
 }
 
 /// The rig, opened for one stage at a time. Between stages it is closed, at zero volts.
+///
+/// Where its line fails, the rig is waited for and the turn at hand repeated from rest, a few times
+/// only; what is about the motor, and what the user wants, ends the commission.
 pub struct Axis<'a> {
-    rig: &'a RigChoice,
-    setup: RigSetup,
-    expected: Option<RigDescription>,
-    encoder_alone: bool,
+    opening: Opening,
     stop: Arc<AtomicBool>,
     progress: &'a Progress,
     allowed: f64,
@@ -70,7 +76,7 @@ pub struct Axis<'a> {
 impl<'a> Axis<'a> {
     /// A rig that may be driven for `allowed` seconds, `used` of which are over.
     pub fn new(
-        rig: &'a RigChoice,
+        rig: &RigChoice,
         setup: RigSetup,
         stop: Arc<AtomicBool>,
         progress: &'a Progress,
@@ -78,10 +84,7 @@ impl<'a> Axis<'a> {
     ) -> Self {
         progress.advance(used);
         Self {
-            rig,
-            setup,
-            expected: None,
-            encoder_alone: false,
+            opening: Opening { rig: rig.clone(), setup, expected: None, encoder_alone: false },
             stop,
             progress,
             allowed,
@@ -109,38 +112,39 @@ impl<'a> Axis<'a> {
 
     /// Readings are corrected by this from now on.
     pub fn calibrate(&mut self, calibration: Calibration) {
-        let before = self.setup.calibration.unwrap_or_default();
+        let setup = &mut self.opening.setup;
+        let before = setup.calibration.unwrap_or_default();
         // The ends turn with the encoder's sign.
         if before.encoder_sign != calibration.encoder_sign {
-            self.setup.limits.travel = self.setup.limits.travel.map(|travel| Travel {
+            setup.limits.travel = setup.limits.travel.map(|travel| Travel {
                 min: -travel.max,
                 max: -travel.min,
                 ..travel
             });
         }
-        self.setup.calibration = Some(calibration);
+        setup.calibration = Some(calibration);
     }
 
     /// The encoder has nothing to be held against: a tachometer that shows no motion, or a torque
     /// sensor that shows no friction, is no fault from now on.
     pub fn trust_the_encoder_alone(&mut self) {
-        self.encoder_alone = true;
+        self.opening.encoder_alone = true;
     }
 
     /// Only this device is driven from now on.
     pub fn drive_only(&mut self, description: Option<RigDescription>) {
-        self.expected = description;
+        self.opening.expected = description;
     }
 
     /// The shaft is to stay in there, by the rig's own count.
     pub fn stay_within(&mut self, travel: Option<Travel>) {
-        self.setup.limits.travel = travel;
+        self.opening.setup.limits.travel = travel;
     }
 
     /// Where the stages may be, as the readings are corrected; none where the travel has no ends.
     #[must_use]
     pub fn reach(&self) -> Option<Reach> {
-        self.setup.limits.travel.as_ref().map(Reach::within)
+        self.opening.setup.limits.travel.as_ref().map(Reach::within)
     }
 
     /// Whether the user wants it to end.
@@ -191,16 +195,37 @@ impl<'a> Axis<'a> {
         Err(CommissionError::OutOfTime { stage, needed, left, allowed: self.allowed })
     }
 
-    /// A session of the steps by which signs are found, at most `volts`.
+    /// A session of the steps by which signs are found, at most `volts`. Where the line fails they
+    /// begin anew.
     ///
     /// # Errors
     /// What the steps or the rig say.
     pub fn session<T>(
         &mut self,
         volts: f64,
-        work: impl FnOnce(&mut Session<'_>, &dyn Fn(&str)) -> Result<T, RigSetupError>,
+        work: impl Fn(&mut Session<'_>, &dyn Fn(&str)) -> Result<T, RigSetupError>,
     ) -> Result<T, CommissionError> {
-        let mut opened = self.open()?;
+        let mut repeats = Repeats::none();
+        let mut opened = self.open_or_wait(&mut repeats)?;
+        loop {
+            let heard = Cell::new(SystemTime::now());
+            match self.met(opened, volts, &heard, &work) {
+                Ok(found) => return Ok(found),
+                Err(error) => {
+                    opened = self.opened_anew(&mut repeats, error, heard.get())?;
+                }
+            }
+        }
+    }
+
+    /// The same once; when the rig was `heard` last is told.
+    fn met<T>(
+        &mut self,
+        mut opened: Opened,
+        volts: f64,
+        heard: &Cell<SystemTime>,
+        work: impl Fn(&mut Session<'_>, &dyn Fn(&str)) -> Result<T, RigSetupError>,
+    ) -> Result<T, CommissionError> {
         // A speed whose sign is wrong would count as braking, which heats most: while signs are
         // unknown the winding is counted as at rest.
         opened.limits.motor =
@@ -211,6 +236,7 @@ impl<'a> Axis<'a> {
         let first = session.step(|_| 0.0)?.time;
         let say = |text: &str| self.progress.stage(format!("meet: {text}"));
         let outcome = work(&mut session, &say);
+        heard.set(session.heard());
         let last = session.step(|_| 0.0).map_or(first, |seen| seen.time);
         self.rise.set(session.winding_rise().unwrap_or_default());
         self.count(last - first);
@@ -220,9 +246,17 @@ impl<'a> Axis<'a> {
     /// The rig for several turns; it is at zero volts between them and afterwards.
     ///
     /// # Errors
-    /// [`CommissionError::Rig`] if it refuses.
+    /// [`CommissionError::Rig`] if it refuses, [`CommissionError::LineLost`] if it is not there.
     pub fn bench(&self) -> Result<Bench, CommissionError> {
-        let bench = BenchRig::new(self.open()?, Arc::clone(&self.stop))?;
+        let opened = self.open_or_wait(&mut Repeats::none())?;
+        let stop = Arc::clone(&self.stop);
+        let bench = if self.opening.comes_back() {
+            let again = self.opening.clone();
+            BenchRig::reopening(opened, stop, Box::new(move || again.open()))?
+        } else {
+            // A card whose watchdog expired is not driven again by itself.
+            BenchRig::new(opened, stop)?
+        };
         bench.warm(self.rise.get());
         Ok(Bench(bench))
     }
@@ -238,10 +272,11 @@ impl<'a> Axis<'a> {
         seconds: f64,
         volts: impl Fn(f64) -> f64,
     ) -> Result<Vec<Measurement>, CommissionError> {
-        self.turn(bench, stage, seconds, |seen| volts(seen.time))
+        self.repeated(bench, |axis| axis.turn(bench, stage, seconds, |seen| volts(seen.time)))
     }
 
-    /// The same by `volts` of what is seen, positions by the rig's own count.
+    /// The same by `volts` of what is seen, positions by the rig's own count. A turn that is
+    /// repeated begins in cycle 0 again.
     ///
     /// # Errors
     /// As for [`excite`](Self::excite).
@@ -256,7 +291,9 @@ impl<'a> Axis<'a> {
             encoder_position: seen.encoder_position + bench.origin(),
             ..*seen
         };
-        let seen = self.turn(bench, stage, seconds, |seen| volts(&counted(seen)))?;
+        let seen = self.repeated(bench, |axis| {
+            axis.turn(bench, stage, seconds, |seen| volts(&counted(seen)))
+        })?;
         Ok(seen.iter().map(counted).collect())
     }
 
@@ -266,6 +303,20 @@ impl<'a> Axis<'a> {
     /// # Errors
     /// As for [`excite`](Self::excite).
     pub fn follow(
+        &mut self,
+        bench: &Bench,
+        stage: Stage,
+        seconds: f64,
+        options: ControllerOptions,
+        reference: impl Fn(f64) -> Reference,
+        friction: impl Fn(&Reference) -> f64,
+    ) -> Result<Vec<Measurement>, CommissionError> {
+        self.repeated(bench, |axis| {
+            axis.followed(bench, stage, seconds, options, &reference, &friction)
+        })
+    }
+
+    fn followed(
         &mut self,
         bench: &Bench,
         stage: Stage,
@@ -301,14 +352,21 @@ impl<'a> Axis<'a> {
         fastest: f64,
     ) -> Result<(), CommissionError> {
         for _ in 0..GOES {
-            let way = to - bench.place()?;
-            if way.abs() <= near {
+            // From where the shaft is by then.
+            let is_there = self.repeated(bench, |axis| {
+                let way = to - bench.place()?;
+                if way.abs() <= near {
+                    return Ok(true);
+                }
+                let duration = (way.abs() / fastest).clamp(SHORTEST_GO, LONGEST_GO);
+                let wave = Waveform::MovePosition { position: way, at: 0.0, duration };
+                let seconds = duration + SETTLED;
+                axis.followed(bench, stage, seconds, options, |time| wave.at(time), |_| 0.0)?;
+                Ok(false)
+            })?;
+            if is_there {
                 return Ok(());
             }
-            let duration = (way.abs() / fastest).clamp(SHORTEST_GO, LONGEST_GO);
-            let wave = Waveform::MovePosition { position: way, at: 0.0, duration };
-            let seconds = duration + SETTLED;
-            self.follow(bench, stage, seconds, options, |time| wave.at(time), |_| 0.0)?;
         }
         Ok(())
     }
@@ -338,7 +396,12 @@ impl<'a> Axis<'a> {
                 }
             }
             // What was applied in the last cycle.
-            seen.push(rig.measure());
+            let last = rig.measure();
+            seen.push(last);
+            if last.fault {
+                // Says why, where the reading did not come.
+                rig.apply(0.0)?;
+            }
             rig.halt()
         };
         let outcome = drive(&mut seen);
@@ -359,7 +422,17 @@ impl<'a> Axis<'a> {
         bench: &Bench,
         stage: Stage,
         (from, seconds): (f64, f64),
-        build: impl FnOnce(Box<dyn Rig + Send>) -> Result<Box<dyn RunningLoop>, CommissionError>,
+        build: impl Fn(Box<dyn Rig + Send>) -> Result<Box<dyn RunningLoop>, CommissionError>,
+    ) -> Result<Vec<f64>, CommissionError> {
+        self.repeated(bench, |axis| axis.tracked(bench, stage, (from, seconds), &build))
+    }
+
+    fn tracked(
+        &mut self,
+        bench: &Bench,
+        stage: Stage,
+        (from, seconds): (f64, f64),
+        build: impl Fn(Box<dyn Rig + Send>) -> Result<Box<dyn RunningLoop>, CommissionError>,
     ) -> Result<Vec<f64>, CommissionError> {
         self.cool(bench, stage)?;
         self.reserve(stage, seconds + REST)?;
@@ -428,15 +501,13 @@ impl<'a> Axis<'a> {
         if self.is_stopped() {
             return Err(RigSetupError::Stopped.into());
         }
-        let mut opened = self.rig.open(&self.setup)?;
-        if self.encoder_alone {
-            opened.limits = opened.limits.before_calibration();
-            opened.limits.sensors.frozen_cycles = None;
-        }
-        if let Some(expected) = &self.expected {
-            rig_setup::require_device(expected, self.rig, opened.description.as_ref())?;
-        }
-        Ok(opened)
+        Ok(self.opening.open()?)
+    }
+
+    /// The same, waited for where it was there before and does not answer.
+    fn open_or_wait(&self, repeats: &mut Repeats) -> Result<Opened, CommissionError> {
+        let asked = SystemTime::now();
+        self.open().or_else(|error| self.opened_anew(repeats, error, asked))
     }
 }
 
