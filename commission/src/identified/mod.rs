@@ -2,7 +2,7 @@
 //!
 //! * [`shaft`]: the drive with its friction and delay.
 //! * [`looped`]: the loop around it, and how it does on a task.
-//! * [`robustness`]: peak of the sensitivity and noise of the voltage, of the loop as it runs.
+//! * [`robustness()`]: peak of the sensitivity and noise of the voltage, of the loop as it runs.
 //!
 //! It costs milliseconds and no rig time. It knows what was identified and nothing else: no
 //! bristles, no ripple, no play.
