@@ -176,7 +176,9 @@ fn disturbed(disturb: impl Fn(&mut EmulatedRig, u32)) -> Output {
 
 #[test]
 fn a_rig_that_is_lost_or_faulted_ends_with_1() {
-    for (order, sentence) in [("unplug 100000", "is gone"), ("fault", "stopped the motor")] {
+    for (order, sentence) in
+        [("unplug 100000", "is gone"), ("fault", "a fault of the motor's driver stage")]
+    {
         let output = disturbed(|rig, _| rig.order(order));
         let text = said(&output);
         assert_eq!(output.status.code(), Some(1), "{order}: {text}");
