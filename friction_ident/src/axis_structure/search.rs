@@ -53,6 +53,7 @@ impl<'a> Search<'a> {
         scale: PositionScale,
     ) -> Result<Self, IdentError> {
         let regressors = Regressors::new(recording, structure, scale)?;
+        regressors.enough()?;
         Ok(Self { regressors, limits: Limits::of(recording), structure, rows: None })
     }
 

@@ -59,6 +59,9 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
         Some(wanted) => compare(&recording, validation, &settings, wanted, args.quiet)?,
         None => None,
     };
+    if let Some(structured) = &structured {
+        found.warnings.splice(0..0, structured.warnings.iter().cloned());
+    }
     let page = axis::page::page(&found, structured.as_ref(), &recording, validation);
     let mut document = axis::document::render(&found, &recording, validation);
     if let Some(structured) = &structured {
