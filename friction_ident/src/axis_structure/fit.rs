@@ -110,7 +110,7 @@ impl StructureFit {
         if self.structure.delay {
             notes.push(
                 "The delay is that of the force against the motion: an input that is held over a sample contributes half a sample, and a \
-                 delay of the force cannot be told from a lead of the position."
+                 delay of the force cannot be told from a lead of the position. Below zero, the force was recorded late."
                     .to_owned(),
             );
         }
@@ -142,7 +142,7 @@ impl StructureFit {
 /// Fits `structure` to the whole recording.
 ///
 /// The delay, the Stribeck velocity, the bristle's displacement and the period are searched within
-/// bounds that the recording sets (delay up to ten samples, Stribeck velocity up to a quarter of
+/// bounds that the recording sets (delay up to ten samples either way, Stribeck velocity up to a quarter of
 /// the largest speed, beyond which the curve cannot be told from viscous friction, displacement up
 /// to a tenth of the travel, period from a 200th to twice the travel).
 ///

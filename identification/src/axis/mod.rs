@@ -8,6 +8,7 @@
 mod band;
 pub mod document;
 mod errors;
+mod held;
 mod longest;
 pub mod page;
 pub mod parameters;
@@ -160,6 +161,9 @@ pub fn identify(
     let symmetric = symmetric.map_err(blame)?;
     let mut warnings: Vec<String> =
         band::too_fast(recording, &settings.conditioning).into_iter().collect();
+    for (warning, said) in held::said(recording, &settings.conditioning) {
+        if warning { warnings.push(said) } else { notes.push(said) }
+    }
     if let Err(error) = symmetric.possible() {
         if !settings.structured {
             return Err(blame(error));
