@@ -30,6 +30,7 @@ pub mod protocols;
 pub mod reach;
 pub mod run;
 mod stage;
+pub mod travel;
 pub mod trial;
 pub mod velocity_design;
 

@@ -178,6 +178,7 @@ fn judge(
     let progress = Progress::new(1.0, true);
     let allowed = f64::INFINITY;
     let mut axis = Axis::new(&asked.rig, asked.setup, Arc::clone(stop), &progress, (allowed, 0.0));
+    let known = &found.met.known(known);
     axis.stay_within(known.travel);
     axis.calibrate(found.met.calibration);
     if !(found.met.tachometer && found.met.torque) {

@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use commission::dossier::{Identity, Simulated};
 use commission::friction::wanted::Wanted;
 use commission::hand_over::{believed, summary};
-use commission::run::{identity, look};
+use commission::run::{identity, look, look_again};
+use commission::travel::TravelAsked;
 use commission::trial::Trial;
 use commission::{Asked, CommissionError, Dossier, Stage};
 use experiment_runner::asked::rig::{Chosen, RigParser, choose};
@@ -65,11 +66,13 @@ pub struct CommissionArgs {
     #[arg(long, value_name = "V")]
     voltage_limit: Option<f64>,
     /// Where the shaft may be [rad], from where it stands when the command begins, as its encoder
-    /// counts: -0.5:1.5 is half a radian back and one and a half on
-    /// [default: the travel of the profile, by the rig's own count; else it has no ends]
-    #[arg(long, value_name = "LOW:HIGH", value_parser = travel, allow_hyphen_values = true,
-        conflicts_with = "trial")]
-    travel: Option<(f64, f64)>,
+    /// counts: -0.5:1.5 is half a radian back and one and a half on. `find` looks for the ends
+    /// gently, two turns either way; find:20 looks 20 rad either way
+    /// [default: that of the folder of --resume, else the travel of the profile, by the rig's own
+    /// count; else it has no ends]
+    #[arg(long, value_name = "LOW:HIGH|find", value_parser = str::parse::<TravelAsked>,
+        allow_hyphen_values = true, conflicts_with = "trial")]
+    travel: Option<TravelAsked>,
     #[command(flatten)]
     to: ToFolder,
     /// Go on with the commission in this folder
@@ -110,19 +113,6 @@ pub struct CommissionArgs {
     quiet: bool,
     #[command(flatten)]
     saying: Saying,
-}
-
-/// A travel around where the shaft stands \[rad\].
-fn travel(text: &str) -> Result<(f64, f64), String> {
-    let ends = text.split_once(':').and_then(|(low, high)| {
-        Some((low.trim().parse::<f64>().ok()?, high.trim().parse::<f64>().ok()?))
-    });
-    ends.filter(|(low, high)| *low < 0.0 && *high > 0.0 && low.is_finite() && high.is_finite())
-        .ok_or_else(|| {
-            format!(
-                "`{text}` is no travel; expected LOW:HIGH in rad around where the shaft stands, as in -0.5:1.5"
-            )
-        })
 }
 
 /// A stage by its name.
@@ -170,7 +160,11 @@ pub fn execute(args: &CommissionArgs) -> anyhow::Result<()> {
     if let Some((dossier, of)) = &before {
         of.require(&identity(&asked, None, of_rig.clone()), dossier.folder()).map_err(worded)?;
     }
-    let known = look(&asked).map_err(worded)?;
+    let known = match &before {
+        Some((dossier, _)) if !sought_anew(args) => look_again(&asked, dossier),
+        _ => look(&asked),
+    };
+    let known = known.map_err(worded)?;
     let identity = identity(&asked, Some(&known), of_rig);
     if let Some((dossier, of)) = &before {
         of.require(&identity, dossier.folder()).map_err(worded)?;
@@ -179,7 +173,7 @@ pub fn execute(args: &CommissionArgs) -> anyhow::Result<()> {
         }
     }
     if !args.quiet {
-        eprint!("{}", believed(&identity.rig, &known, args.minutes));
+        eprint!("{}", believed(&asked, &known));
     }
     if !chosen.rig.is_simulated() && !args.yes {
         consent()?;
@@ -206,6 +200,11 @@ pub fn execute(args: &CommissionArgs) -> anyhow::Result<()> {
         dossier.folder().join("parameters.yaml").display()
     );
     args.saying.result(args.quiet, &outcome.document, &text)
+}
+
+/// Whether the ends are looked for once more.
+fn sought_anew(args: &CommissionArgs) -> bool {
+    args.from == Some(Stage::Meet) && matches!(args.travel, Some(TravelAsked::Find(_)))
 }
 
 /// The rig of the options, else that of the folder.

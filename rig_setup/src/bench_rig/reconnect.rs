@@ -9,7 +9,7 @@ use super::home::Home;
 use super::paced::Paced;
 use super::{Again, BenchRig, locked};
 use crate::NotReopened;
-use crate::come_back::{come_back, silence};
+use crate::come_back::{come_back, counted_on, silence};
 
 impl BenchRig {
     /// Opens the rig anew after its line failed, up to [`PATIENCE`](crate::PATIENCE) after it was heard last:
@@ -17,16 +17,13 @@ impl BenchRig {
     /// fault that is latched in the device is not cleared. The time that it took \[s\].
     ///
     /// # Errors
-    /// [`NotReopened`] says why: it did not come back, another device came back, the travel is limited, or
-    /// there is no way to open it.
+    /// [`NotReopened`] says why: it did not come back, another device came back, the travel is limited
+    /// and the encoder did not count on, or there is no way to open it.
     pub fn reconnect(&self) -> Result<f64, NotReopened> {
         let not = |why: String| Err(NotReopened(why));
         let Some(Again(reopen)) = &self.reopen else {
             return not("this rig is not opened again".to_owned());
         };
-        if self.limits.travel.is_some() {
-            return not("its travel is limited, and nobody knows whether its encoder counted on: look where the shaft is, and begin again".to_owned());
-        }
         // A keeper that failed has ended; one that waits for the rig ends as it finds none.
         self.home.over.store(true, Ordering::Relaxed);
         if let Some(keeper) = locked(&self.keeper).take() {
@@ -37,7 +34,7 @@ impl BenchRig {
         let heard = old.as_ref().map_or(SystemTime::UNIX_EPOCH, |old| old.heard);
         // Zero volts, and the end of the session.
         drop(old);
-        let opened = come_back(reopen, heard, &self.home.stop)?;
+        let mut opened = come_back(reopen, heard, &self.home.stop)?;
         if let Some(before) = &self.description {
             let difference = opened.description.as_ref().and_then(|now| before.differs_from(now));
             if let Some(what) = difference {
@@ -46,6 +43,9 @@ impl BenchRig {
         }
         if opened.rig.period() != self.period {
             return not("another device came back: its cycle is another".to_owned());
+        }
+        if self.limits.travel.is_some() {
+            counted_on(&mut opened, heard)?;
         }
         let pace = opened.pace;
         let paced = Paced::configured(opened.rig, self.limits, pace, rise)
