@@ -25,6 +25,9 @@ use crate::{CommissionError, Dossier, Stage};
 /// Rig time that is left for pauses, in which a warm motor rests \[s\].
 const SPARE: f64 = 15.0;
 
+/// Rig time of the stage model, about \[s\].
+const MODEL: f64 = 45.0;
+
 /// What is asked of a commission.
 #[derive(Debug, Clone)]
 pub struct Asked {
@@ -119,14 +122,19 @@ pub fn run(
             dossier.keep_underway(blocks, used - begun)
         })
     })?;
+    // What is left is known by now.
+    let last = control::seconds_needed() + proof::seconds_needed() + SPARE;
+    axis.expect(MODEL + last);
     let chosen: Chosen =
         stage(dossier, Stage::Model, &mut axis, |axis| model::model(axis, parts, &friction))?;
+    axis.expect(last);
     let control: Control = stage(dossier, Stage::Control, &mut axis, |axis| {
         control::control(axis, parts, (&friction, &chosen), proof::seconds_needed())
     })?;
     let bed = Bed::of(known, &drive, (&friction, &chosen), control.design)?
         .resting(control.resting_angle)
         .feeding_back(control.fed_back);
+    axis.expect(proof::seconds_needed());
     let proof: Proof =
         stage(dossier, Stage::Proof, &mut axis, |axis| proof::proof(axis, &bed, control.arm))?;
 

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use rig_driver::Rig;
 use rig_driver::safety::{MotorThermal, Travel};
+use rig_driver::{Calibration, Rig};
 use rig_setup::{BenchRig, Heat, RigDescription};
 
 use super::{Axis, Bench};
@@ -31,6 +31,8 @@ pub struct Known {
     pub travel: Option<Travel>,
     /// How long the device has run by its own clock, where it tells that \[s\].
     pub powered_for: Option<f64>,
+    /// What the nodes that drive the rig put right before anybody sees it.
+    pub corrected_by: Option<Calibration>,
 }
 
 impl Known {
@@ -65,6 +67,7 @@ impl Axis<'_> {
             winding: opened.limits.motor,
             travel: opened.limits.travel,
             powered_for: None,
+            corrected_by: self.opening.corrected_by(),
         };
         if let (Some(travel), Some(TravelAsked::Find(_))) = (known.travel, asked) {
             return Err(CommissionError::Asked(format!(

@@ -50,7 +50,7 @@ impl<'a> Axis<'a> {
     ) -> Self {
         progress.advance(used);
         Self {
-            opening: Opening { rig: rig.clone(), setup, expected: None, encoder_alone: false },
+            opening: Opening::new(rig.clone(), setup),
             stop,
             progress,
             allowed,

@@ -9,6 +9,7 @@ use super::summary::rest;
 use super::{Found, PARAMETERS};
 use crate::axis::Known;
 use crate::bed::Arm;
+use crate::feedback::Kind;
 
 /// A share of the friction that may change before the shaft hunts, below which it is looked at more
 /// often.
@@ -28,14 +29,27 @@ pub(super) fn blocks(found: &Found, known: &Known, folder: &str) -> Vec<Block> {
     blocks.extend([
         Block::Heading("What to do".to_owned()),
         Block::Text(format!(
-            "Start the axis with the file that lies beside this page: `frictionlab live --rig {} --mode position --parameters {folder}/{PARAMETERS} --calibration {folder}/{PARAMETERS}`. ROS 2 nodes take the same file.",
-            found.rig
+            "Start the axis with the file that lies beside this page: `frictionlab live --rig {} --mode position {} --parameters {folder}/{PARAMETERS} --calibration {folder}/{PARAMETERS}`. ROS 2 nodes take the same file.",
+            found.rig,
+            means(found)
         )),
         Block::Text(format!("Then look whether it stands still after a move: {}.", rest(found))),
         Block::Heading("What to repeat, and when".to_owned()),
         Block::Table(again(found, folder)),
     ]);
     blocks
+}
+
+/// The option of `frictionlab live` that compensates as the proof did.
+fn means(found: &Found) -> &'static str {
+    match (found.control.fed_back.map(|fed| fed.kind), found.control.arm) {
+        (Some(Kind::Model), _) => "--means both",
+        (Some(Kind::DisturbanceObserver), _) => "--means disturbance-observer",
+        (Some(Kind::SuperTwisting), _) => "--means super-twisting",
+        (Some(Kind::Fuzzy), _) => "--means fuzzy",
+        (None, Arm::Friction) => "--means feedforward",
+        (None, Arm::Reference | Arm::Linear) => "--no-compensation",
+    }
 }
 
 /// Whether what was added is worth it, in a sentence or two.

@@ -21,7 +21,7 @@ use crate::model::Chosen;
 use crate::proof::Proof;
 use crate::{CommissionError, Dossier, Stage};
 
-pub use summary::{believed, summary};
+pub use summary::{believed, proved, summary};
 
 /// Name of the parameter file.
 pub const PARAMETERS: &str = "parameters.yaml";

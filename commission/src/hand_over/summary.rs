@@ -198,7 +198,8 @@ pub(super) fn drift(change: f64) -> String {
 }
 
 /// What the proof says.
-pub(super) fn proved(found: &Found) -> String {
+#[must_use]
+pub fn proved(found: &Found) -> String {
     match found.proof.ratio {
         None => "nothing was added to the linear gains, so there was nothing to prove".to_owned(),
         Some(ratio) => {
