@@ -76,6 +76,15 @@ pub fn look_again(asked: &Asked, dossier: &Dossier) -> Result<Known, CommissionE
     seen(asked, again)
 }
 
+/// Clears what is latched in the device: its emergency stop, or a fault of it. Nothing moves.
+///
+/// # Errors
+/// [`CommissionError::Rig`] where its cause is still there.
+pub fn clear(asked: &Asked) -> Result<(), CommissionError> {
+    let progress = Progress::new(1.0, true);
+    Axis::new(&asked.rig, asked.setup, Arc::default(), &progress, (0.0, 0.0)).clear()
+}
+
 fn seen(asked: &Asked, kept: Option<Kept>) -> Result<Known, CommissionError> {
     let progress = Progress::new(1.0, true);
     let axis = Axis::new(&asked.rig, asked.setup, Arc::default(), &progress, (0.0, 0.0));

@@ -38,6 +38,7 @@ fn it_ends_well_goes_on_and_refuses_what_cannot_be_with_a_sentence() {
         (&["--want", "f_q:2%"], "f_c:2%"),
         (&["--travel", "0.5:1"], "-0.5:1.5"),
         (&["--travel", "fnd"], "find"),
+        (&["--trial", "x"], "--trial 20"),
     ] {
         let refused = commission(folder.path(), arguments);
         let told = String::from_utf8_lossy(&refused.stderr).into_owned();

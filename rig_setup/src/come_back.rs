@@ -35,7 +35,8 @@ pub fn come_back(
         if stop.load(Ordering::Relaxed) {
             return not(RigError::Stopped.to_string());
         }
-        match reopen() {
+        // One that answers, and measures nothing yet, is not there.
+        match reopen().and_then(measuring) {
             Ok(opened) => break opened,
             Err(error @ RigSetupError::OtherDevice { .. }) => return not(error.to_string()),
             Err(error) if too_late() => {
@@ -52,16 +53,20 @@ pub fn come_back(
     Ok(opened)
 }
 
+/// The rig, once it has measured.
+fn measuring(mut opened: Opened) -> Result<Opened, RigSetupError> {
+    opened.rig.wait()?;
+    Ok(opened)
+}
+
 /// Whether the encoder of a rig that was `heard` last then has counted on since: its device has run
 /// for longer than that, so that it was not switched on meanwhile. Where that is so, a travel by the
 /// rig's own count still holds.
 ///
 /// # Errors
 /// [`NotReopened`] where it began anew, or does not say how long it has run.
-pub fn counted_on(opened: &mut Opened, heard: SystemTime) -> Result<(), NotReopened> {
+pub fn counted_on(opened: &Opened, heard: SystemTime) -> Result<(), NotReopened> {
     let look = "look where the shaft is, and begin again";
-    // Its first reading tells.
-    opened.rig.wait().map_err(|error| NotReopened(error.to_string()))?;
     let since = silence(heard);
     match opened.rig.powered_for() {
         Some(powered) if powered > since + SURE => Ok(()),

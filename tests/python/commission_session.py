@@ -63,7 +63,8 @@ def over_nodes(session, processes, runs):
 
     feedback = []
     handle = session.send(commission(rig="nodes"), feedback)
-    assert session.until(moves, 90.0), f"it does not move: {[f.stage for f in feedback[-3:]]}"
+    ramps = lambda: feedback and "ramps" in feedback[-1].stage and moves()
+    assert session.until(ramps, 90.0), f"it does not move: {[f.stage for f in feedback[-3:]]}"
     session.wait(handle.cancel_goal_async())
     report["cancelled"] = session.result(handle)
     report["stages"] = sorted({message.stage for message in feedback})

@@ -44,6 +44,14 @@ impl Known {
 }
 
 impl Axis<'_> {
+    /// Clears what is latched in the device. Nothing moves.
+    ///
+    /// # Errors
+    /// [`CommissionError::Rig`] where its cause is still there.
+    pub fn clear(&self) -> Result<(), CommissionError> {
+        Ok(self.open()?.rig.clear()?)
+    }
+
     /// Opens the rig, looks at it, and closes it. Nothing moves. The travel that is `asked` for is
     /// counted from where the shaft stands, one that was `kept` is by the rig's own count; where it is
     /// to be found there is none yet.

@@ -76,9 +76,9 @@ impl Axis<'_> {
         repeats.count(&error)?;
         let limited = self.opening.setup.limits.travel.is_some();
         self.wait_for_line(&error, || {
-            let mut opened = come_back(|| self.opening.open(), heard, &self.stop)?;
+            let opened = come_back(|| self.opening.open(), heard, &self.stop)?;
             if limited {
-                counted_on(&mut opened, heard)?;
+                counted_on(&opened, heard)?;
             }
             Ok(opened)
         })

@@ -72,7 +72,7 @@ fn worth(found: &Found) -> String {
             let less = 1.0 / ratio.value;
             let at_least = 1.0 / high;
             format!(
-                "Yes. {missed}: {} times as much. Repeated {} times in turns, it was at least {} times, as sure as 95 %.",
+                "Yes. {missed}: {} times as much. Repeated {} times in turns, it was at least {} times with 95 % confidence.",
                 significant(less, 2),
                 found.proof.pairs.len(),
                 significant(at_least, 2)

@@ -148,9 +148,7 @@ impl NodesAxis {
             first: None,
         };
         let rig: Box<dyn Rig + Send> = match setup.calibration {
-            Some(calibration) => {
-                Box::new(Calibrated::new(rig, calibration)?)
-            }
+            Some(calibration) => Box::new(Calibrated::new(rig, calibration)?),
             None => Box::new(rig),
         };
         let sensors = SensorsPresent { torque: false, current: false };

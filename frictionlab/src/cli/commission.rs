@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use commission::Stage;
 use commission::friction::wanted::Wanted;
 use commission::hand_over::{believed, summary};
+use commission::run::clear;
 use commission::travel::TravelAsked;
 use commission::trial::Trial;
 use experiment_runner::asked::rig::{RigParser, choose};
@@ -21,6 +22,7 @@ use work::saying::Saying;
 use work::suggestion::did_you_mean;
 
 use super::commission_planned::{asked, checked, ended, planned};
+use super::commission_words::worded;
 use crate::interruption;
 
 /// From an unknown motor to a compensated one, in minutes
@@ -79,6 +81,10 @@ pub struct CommissionArgs {
     /// Measure this stage and all behind it anew; what they found before is dropped
     #[arg(long, value_name = "STAGE", requires = "resume", value_parser = stage)]
     pub(super) from: Option<Stage>,
+    /// First clear what is latched in the device, its emergency stop or a fault: for whoever has
+    /// looked at the rig and mended the cause
+    #[arg(long, conflicts_with_all = ["trial", "protocols"])]
+    clear: bool,
     /// Drive a real rig without asking
     #[arg(long)]
     yes: bool,
@@ -99,7 +105,7 @@ pub struct CommissionArgs {
     pub(super) miswired: Option<String>,
     /// Commission so many simulated machines drawn at random, the first with --seed, and say how it
     /// went: each is described by a file in the folder, which `--rig machine:FILE` drives again
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000),
+    #[arg(long, value_name = "N", value_parser = machines,
         conflicts_with_all = ["rig", "rig_file", "voltage_limit", "resume", "yes", "miswired", "plant"])]
     trial: Option<u32>,
     /// Drive the thesis's constant velocities beside it, and show rig time and intervals of both: on
@@ -111,6 +117,15 @@ pub struct CommissionArgs {
     quiet: bool,
     #[command(flatten)]
     saying: Saying,
+}
+
+/// A number of machines.
+fn machines(text: &str) -> Result<u32, String> {
+    text.trim().parse().ok().filter(|machines| (1..=100_000).contains(machines)).ok_or_else(|| {
+        format!(
+            "`{text}` is no number of machines; expected one from 1 to 100000, as in --trial 20"
+        )
+    })
 }
 
 /// A stage by its name.
@@ -146,6 +161,9 @@ pub fn execute(args: &CommissionArgs) -> anyhow::Result<()> {
         eprintln!("{note}");
     }
     let stop = interruption::watch(interruption::DRIVING)?;
+    if args.clear {
+        clear(&planned.asked).map_err(worded)?;
+    }
     let (known, identity) = planned.look()?;
     if !args.quiet {
         eprint!("{}", believed(&planned.asked, &known));

@@ -43,6 +43,8 @@ impl Errand for Commission {
             "out",
             "runs",
             "force",
+            // Whoever clears a stop stands at the rig.
+            "clear",
             "yes",
             "trial",
             "protocols",

@@ -150,6 +150,12 @@ pub(super) fn ended(error: CommissionError, dossier: &Dossier) -> anyhow::Error 
     let done: Vec<String> = dossier.done().iter().map(ToString::to_string).collect();
     let kept = if done.is_empty() { "no stage yet".to_owned() } else { done.join(", ") };
     let on = format!("kept: {kept}; `frictionlab commission --resume {folder}` goes on");
+    if error.is_held() {
+        eprintln!(
+            "kept: {kept}; once somebody has looked at the rig and mended the cause, `frictionlab commission --resume {folder} --clear` clears it and goes on"
+        );
+        return worded(error);
+    }
     if error.is_stopped() {
         return Interrupted(format!("stopped; the motor is at zero volts. {on}")).into();
     }

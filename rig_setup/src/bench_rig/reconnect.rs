@@ -34,7 +34,7 @@ impl BenchRig {
         let heard = old.as_ref().map_or(SystemTime::UNIX_EPOCH, |old| old.heard);
         // Zero volts, and the end of the session.
         drop(old);
-        let mut opened = come_back(reopen, heard, &self.home.stop)?;
+        let opened = come_back(reopen, heard, &self.home.stop)?;
         if let Some(before) = &self.description {
             let difference = opened.description.as_ref().and_then(|now| before.differs_from(now));
             if let Some(what) = difference {
@@ -45,7 +45,7 @@ impl BenchRig {
             return not("another device came back: its cycle is another".to_owned());
         }
         if self.limits.travel.is_some() {
-            counted_on(&mut opened, heard)?;
+            counted_on(&opened, heard)?;
         }
         let pace = opened.pace;
         let paced = Paced::configured(opened.rig, self.limits, pace, rise)
