@@ -13,6 +13,7 @@ pub mod bed;
 pub mod control;
 pub mod dossier;
 pub mod drive;
+pub mod ends;
 mod error;
 pub mod feedback;
 pub mod friction;

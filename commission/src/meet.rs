@@ -9,7 +9,8 @@ use rig_setup::{Level, Procedure, RigDescription, Room, run_procedure};
 use serde::{Deserialize, Serialize};
 
 use crate::axis::{Axis, Known};
-use crate::travel::{self, Sought, TravelAsked};
+use crate::ends::{self, Sought};
+use crate::travel::TravelAsked;
 use crate::{CommissionError, Stage};
 
 /// Time in which a ramp would reach the voltage limit \[s\].
@@ -73,7 +74,7 @@ pub fn meet(
     keep: impl FnOnce(Option<Travel>) -> Result<(), CommissionError>,
 ) -> Result<Met, CommissionError> {
     let sought = match asked {
-        Some(TravelAsked::Find(angle)) => Some(travel::find(axis, known, angle)?),
+        Some(TravelAsked::Find(angle)) => Some(ends::find(axis, known, angle)?),
         Some(TravelAsked::Around(..)) | None => None,
     };
     if let Some(sought) = &sought {

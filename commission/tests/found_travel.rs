@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use commission::friction::wanted::Wanted;
 use commission::travel::TravelAsked;
+use commission::trial::case;
 use commission::{Asked, CommissionError, Dossier, Outcome, run};
 use machine_rig::{Machine, MachineFactory, Peaks, Stops, peaks, random};
 use rig_driver::RigRegistry;
@@ -87,4 +88,21 @@ fn an_axis_without_ends_is_told_as_free_after_the_angle() {
     let sought = outcome.unwrap().found.met.sought.unwrap();
     assert!(sought.travel.is_none() && dossier.travel().unwrap().is_none());
     assert!(sought.to_string().contains("4.0 rad either way"), "{sought}");
+}
+
+#[test]
+fn a_trial_tells_a_gentle_touch_from_a_broken_limit() {
+    let _ = RigRegistry::standard().with(MachineFactory).install();
+    let folder = tempfile::tempdir().unwrap();
+    let machine = machine(6, Some(Stops { low: -2.3, high: 3.4 }));
+    let file = folder.path().join("machine.json");
+    std::fs::write(&file, machine.text().unwrap()).unwrap();
+    let results = folder.path().join("results");
+    std::fs::create_dir(&results).unwrap();
+    let asked = (&Wanted::default(), 900.0, None);
+    let found = case(&machine, &file, &results, asked, &Arc::default()).unwrap();
+    assert!(found.peaks.hit > 0.0 && !found.broke_limits(), "{:?}", found.peaks);
+    let mut hard = found;
+    hard.peaks.hit = 0.2 * machine.motor.gain() * machine.voltage_range;
+    assert!(hard.broke_limits());
 }

@@ -153,7 +153,7 @@ fn another_device_and_limits_that_contradict_each_other_move_nothing() {
     for (limits, more, words) in [
         ("{voltage: -1.0}", &[][..], "voltage"),
         ("{velocity: 0.0}", &[], "velocity"),
-        ("{voltage: 20.0}", &[], "9 V"),
+        ("{voltage: 20.0}", &[], "the voltage range of this rig"),
         ("{travel: {min: 1.0, max: -1.0, margin: 0.1}}", &[], "travel.max"),
         ("{travel: {min: 5.0, max: 8.0, margin: 0.1}}", &[], "turn it by hand"),
         ("{travel: {min: -5.0, max: 8.0, margin: 0.1}}", &["--travel", "find"], "leave out one"),

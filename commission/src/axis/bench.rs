@@ -1,32 +1,8 @@
 //! The rig, open for several turns.
 
-use std::sync::Arc;
-
 use rig_setup::BenchRig;
 
-use super::Axis;
-use super::repeats::Repeats;
 use crate::CommissionError;
-
-impl Axis<'_> {
-    /// The rig for several turns; it is at zero volts between them and afterwards.
-    ///
-    /// # Errors
-    /// [`CommissionError::Rig`] if it refuses, [`CommissionError::LineLost`] if it is not there.
-    pub fn bench(&self) -> Result<Bench, CommissionError> {
-        let opened = self.open_or_wait(&mut Repeats::none())?;
-        let stop = Arc::clone(&self.stop);
-        let bench = if self.opening.comes_back() {
-            let again = self.opening.clone();
-            BenchRig::reopening(opened, stop, Box::new(move || again.open()))?
-        } else {
-            // A card whose watchdog expired is not driven again by itself.
-            BenchRig::new(opened, stop)?
-        };
-        bench.warm(self.rise.get());
-        Ok(Bench(bench))
-    }
-}
 
 /// A rig that is open for several turns. Dropped, it leaves zero volts.
 pub struct Bench(pub(super) BenchRig);

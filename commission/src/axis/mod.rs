@@ -14,7 +14,7 @@ use std::time::SystemTime;
 
 use rig_driver::Calibration;
 use rig_driver::safety::Travel;
-use rig_setup::{Opened, RigChoice, RigDescription, RigSetup, RigSetupError};
+use rig_setup::{BenchRig, Opened, RigChoice, RigDescription, RigSetup, RigSetupError};
 use work::progress::Progress;
 
 pub use self::bench::Bench;
@@ -139,6 +139,24 @@ impl<'a> Axis<'a> {
             return Ok(());
         }
         Err(CommissionError::OutOfTime { stage, needed, left, allowed: self.allowed })
+    }
+
+    /// The rig for several turns; it is at zero volts between them and afterwards.
+    ///
+    /// # Errors
+    /// [`CommissionError::Rig`] if it refuses, [`CommissionError::LineLost`] if it is not there.
+    pub fn bench(&self) -> Result<Bench, CommissionError> {
+        let opened = self.open_or_wait(&mut Repeats::none())?;
+        let stop = Arc::clone(&self.stop);
+        let bench = if self.opening.comes_back() {
+            let again = self.opening.clone();
+            BenchRig::reopening(opened, stop, Box::new(move || again.open()))?
+        } else {
+            // A card whose watchdog expired is not driven again by itself.
+            BenchRig::new(opened, stop)?
+        };
+        bench.warm(self.rise.get());
+        Ok(Bench(bench))
     }
 
     fn count(&mut self, seconds: f64) {

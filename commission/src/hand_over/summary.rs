@@ -5,7 +5,6 @@ use std::fmt::Write;
 use report::numbers::{percent, significant};
 
 use super::Found;
-use crate::Asked;
 use crate::axis::Known;
 use crate::bed::Arm;
 use crate::control::Control;
@@ -15,8 +14,8 @@ use crate::travel::TravelAsked;
 
 /// What is believed of a rig before it moves.
 #[must_use]
-pub fn believed(asked: &Asked, known: &Known) -> String {
-    let mut text = format!("rig       {}\n", asked.rig);
+pub fn believed(rig: &str, known: &Known, travel: Option<TravelAsked>, minutes: f64) -> String {
+    let mut text = format!("rig       {rig}\n");
     // Writing to a string cannot fail.
     if let Some(about) = &known.about {
         let _ = writeln!(text, "device    {about}");
@@ -32,15 +31,15 @@ pub fn believed(asked: &Asked, known: &Known) -> String {
     let _ = writeln!(
         text,
         "motion    the shaft turns both ways, {}, for at most {} min; ctrl-C ends it at zero volts",
-        where_to(asked, known),
-        significant(asked.allowed / 60.0, 3)
+        where_to(travel, known),
+        significant(minutes, 3)
     );
     text
 }
 
 /// Where the shaft is to be.
-fn where_to(asked: &Asked, known: &Known) -> String {
-    match (known.travel, asked.travel) {
+fn where_to(asked: Option<TravelAsked>, known: &Known) -> String {
+    match (known.travel, asked) {
         (Some(travel), _) => format!(
             "from {} to {} rad by its encoder",
             significant(travel.min, 3),

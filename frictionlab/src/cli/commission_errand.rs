@@ -16,7 +16,7 @@ use work::Interrupted;
 use work::ending::told;
 use work::progress::Progress;
 
-use super::commission::CommissionArgs;
+use super::commission_args::CommissionArgs;
 use super::commission_planned::{Planned, ended, planned};
 
 /// Rig time that it usually takes \[s\].

@@ -13,7 +13,7 @@ use rig_driver::Miswiring;
 use rig_setup::{RigChoice, RigSetup};
 use work::{BadInput, Interrupted};
 
-use super::commission::CommissionArgs;
+use super::commission_args::CommissionArgs;
 use super::commission_words::worded;
 
 /// What is asked of a commission, before the rig is looked at.
