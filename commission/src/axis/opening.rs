@@ -1,5 +1,6 @@
 //! How the rig is opened, each time anew and always as the same one.
 
+#[cfg(feature = "ros")]
 use std::sync::{Arc, Mutex, PoisonError};
 
 #[cfg(feature = "ros")]
@@ -18,18 +19,21 @@ pub(super) struct Opening {
     /// The encoder has nothing to be held against.
     pub(super) encoder_alone: bool,
     /// The running nodes, once they are found.
-    nodes: Nodes,
+    #[cfg(feature = "ros")]
+    nodes: Arc<Mutex<Option<NodesAxis>>>,
 }
-
-#[cfg(feature = "ros")]
-type Nodes = Arc<Mutex<Option<NodesAxis>>>;
-#[cfg(not(feature = "ros"))]
-type Nodes = Arc<Mutex<Option<()>>>;
 
 impl Opening {
     /// Of a rig that was not opened yet.
     pub(super) fn new(rig: RigChoice, setup: RigSetup) -> Self {
-        Self { rig, setup, expected: None, encoder_alone: false, nodes: Nodes::default() }
+        Self {
+            rig,
+            setup,
+            expected: None,
+            encoder_alone: false,
+            #[cfg(feature = "ros")]
+            nodes: Arc::default(),
+        }
     }
 
     /// The rig, at zero volts.
@@ -57,17 +61,16 @@ impl Opening {
     }
 
     /// What whoever drives the rig for us puts right already.
+    #[cfg(feature = "ros")]
     pub(super) fn corrected_by(&self) -> Option<Calibration> {
-        #[cfg(feature = "ros")]
-        {
-            let nodes = self.nodes.lock().unwrap_or_else(PoisonError::into_inner);
-            nodes.as_ref().map(|nodes| *nodes.calibration())
-        }
-        #[cfg(not(feature = "ros"))]
-        {
-            let _ = self.nodes.lock().unwrap_or_else(PoisonError::into_inner);
-            None
-        }
+        let nodes = self.nodes.lock().unwrap_or_else(PoisonError::into_inner);
+        nodes.as_ref().map(|nodes| *nodes.calibration())
+    }
+
+    /// The same where nobody does.
+    #[cfg(not(feature = "ros"))]
+    pub(super) const fn corrected_by(&self) -> Option<Calibration> {
+        None
     }
 
     /// The rig of the running nodes, which are found once.
@@ -81,6 +84,7 @@ impl Opening {
         found.open(&self.setup)
     }
 
+    /// There are none.
     #[cfg(not(feature = "ros"))]
     fn open_nodes(&self, _: Option<String>) -> Result<Opened, RigSetupError> {
         Err(RigSetupError::Nodes(
