@@ -20,6 +20,7 @@ pub mod hand_over;
 pub mod hunting;
 pub mod identified;
 mod interval;
+pub mod level;
 pub mod loop_design;
 pub mod margin;
 pub mod meet;
@@ -30,6 +31,7 @@ pub mod protocols;
 pub mod reach;
 pub mod run;
 mod stage;
+pub mod structure;
 pub mod trial;
 pub mod velocity_design;
 

@@ -10,6 +10,7 @@ use std::time::SystemTime;
 
 use controller::{Controller, ControllerOptions, Feedback, Reference};
 use experiment_runner::control_loop::RunningLoop;
+use experiment_runner::cycle::CycleSample;
 use experiment_runner::waveform::Waveform;
 use rig_driver::safety::{MotorThermal, Travel};
 use rig_driver::{Calibration, Measurement, Rig, RigError};
@@ -412,8 +413,7 @@ impl<'a> Axis<'a> {
         Ok(seen)
     }
 
-    /// Runs a loop of `build` for `seconds`; what each cycle's encoder misses of the reference
-    /// \[rad\], from `from` seconds on.
+    /// Runs a loop of `build` for `seconds`; its cycles from `from` seconds on.
     ///
     /// # Errors
     /// As for [`excite`](Self::excite).
@@ -423,7 +423,7 @@ impl<'a> Axis<'a> {
         stage: Stage,
         (from, seconds): (f64, f64),
         build: impl Fn(Box<dyn Rig + Send>) -> Result<Box<dyn RunningLoop>, CommissionError>,
-    ) -> Result<Vec<f64>, CommissionError> {
+    ) -> Result<Vec<CycleSample>, CommissionError> {
         self.repeated(bench, |axis| axis.tracked(bench, stage, (from, seconds), &build))
     }
 
@@ -433,20 +433,18 @@ impl<'a> Axis<'a> {
         stage: Stage,
         (from, seconds): (f64, f64),
         build: impl Fn(Box<dyn Rig + Send>) -> Result<Box<dyn RunningLoop>, CommissionError>,
-    ) -> Result<Vec<f64>, CommissionError> {
+    ) -> Result<Vec<CycleSample>, CommissionError> {
         self.cool(bench, stage)?;
         self.reserve(stage, seconds + REST)?;
         let mut running = build(bench.0.lend()?)?;
         let cycles = (seconds / running.period()).round() as usize;
         let skipped = (from / running.period()).round() as usize;
-        let mut errors = Vec::with_capacity(cycles);
+        let mut seen = Vec::with_capacity(cycles);
         let mut outcome = Ok(());
         let mut done = 0;
         for cycle in 0..cycles {
             match running.step() {
-                Ok(now) if cycle >= skipped => {
-                    errors.push(now.reference.position - now.measurement.encoder_position);
-                }
+                Ok(now) if cycle >= skipped => seen.push(now),
                 Ok(_) => {}
                 Err(error) => {
                     outcome = Err(error);
@@ -461,7 +459,7 @@ impl<'a> Axis<'a> {
         self.count(REST + done as f64 * bench.period());
         outcome?;
         stopped?;
-        Ok(errors)
+        Ok(seen)
     }
 
     /// Rests while the winding is warm.
