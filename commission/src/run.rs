@@ -142,10 +142,12 @@ pub fn run(
     })?;
     let bed = Bed::of(known, &drive, (&friction, &chosen), control.design)?
         .resting(control.resting_angle)
+        .leveled(control.level)
         .feeding_back(control.fed_back);
     axis.expect(proof::seconds_needed());
     let proof: Proof =
         stage(dossier, Stage::Proof, &mut axis, |axis| proof::proof(axis, &bed, control.arm))?;
+    let bed = bed.leveled(proof.level);
 
     let seconds = axis.used();
     let rig = asked.rig.to_string();

@@ -2,6 +2,7 @@
 
 use controller::{Controller, ControllerOptions, Feedback, Reference};
 use experiment_runner::control_loop::RunningLoop;
+use experiment_runner::cycle::CycleSample;
 use experiment_runner::waveform::Waveform;
 use rig_driver::{Measurement, Rig, RigError};
 use rig_setup::{Heat, REST};
@@ -129,8 +130,7 @@ impl Axis<'_> {
         Ok(())
     }
 
-    /// Runs a loop of `build` for `seconds`; what each cycle's encoder misses of the reference
-    /// \[rad\], from `from` seconds on.
+    /// Runs a loop of `build` for `seconds`; its cycles from `from` seconds on.
     ///
     /// # Errors
     /// As for [`excite`](Self::excite).
@@ -140,7 +140,7 @@ impl Axis<'_> {
         stage: Stage,
         (from, seconds): (f64, f64),
         build: impl Fn(Lent) -> Result<Box<dyn RunningLoop>, CommissionError>,
-    ) -> Result<Vec<f64>, CommissionError> {
+    ) -> Result<Vec<CycleSample>, CommissionError> {
         self.repeated(bench, |axis| {
             axis.in_turn(bench, stage, seconds, |rig| match build(rig) {
                 Ok(running) => followed(running, (from, seconds)),
@@ -240,21 +240,19 @@ fn driven(
     rig.halt()
 }
 
-/// Runs a loop for `seconds`: its cycles, and what each misses of the reference from `from` on.
+/// Runs a loop for `seconds`: how many cycles it drove, and those from `from` on.
 fn followed(
     mut running: Box<dyn RunningLoop>,
     (from, seconds): (f64, f64),
-) -> (usize, Result<Vec<f64>, CommissionError>) {
+) -> (usize, Result<Vec<CycleSample>, CommissionError>) {
     let cycles = (seconds / running.period()).round() as usize;
     let skipped = (from / running.period()).round() as usize;
-    let mut errors = Vec::with_capacity(cycles);
+    let mut seen = Vec::with_capacity(cycles);
     let mut outcome = Ok(());
     let mut done = 0;
     for cycle in 0..cycles {
         match running.step() {
-            Ok(now) if cycle >= skipped => {
-                errors.push(now.reference.position - now.measurement.encoder_position);
-            }
+            Ok(now) if cycle >= skipped => seen.push(now),
             Ok(_) => {}
             Err(error) => {
                 outcome = Err(error);
@@ -264,5 +262,5 @@ fn followed(
         done = cycle + 1;
     }
     let stopped = running.stop();
-    (done, outcome.and(stopped).map(|()| errors).map_err(CommissionError::from))
+    (done, outcome.and(stopped).map(|()| seen).map_err(CommissionError::from))
 }

@@ -47,7 +47,7 @@ fn means(found: &Found) -> &'static str {
         (Some(Kind::DisturbanceObserver), _) => "--means disturbance-observer",
         (Some(Kind::SuperTwisting), _) => "--means super-twisting",
         (Some(Kind::Fuzzy), _) => "--means fuzzy",
-        (None, Arm::Friction) => "--means feedforward",
+        (None, Arm::Friction | Arm::Load) => "--means feedforward",
         (None, Arm::Reference | Arm::Linear) => "--no-compensation",
     }
 }

@@ -129,6 +129,9 @@ pub(super) const fn arm(arm: Arm) -> &'static str {
         Arm::Linear => "nothing: the linear gains alone did as well",
         Arm::Reference => "the reference, through the inverse of the drive",
         Arm::Friction => "the reference through the inverse of the drive, and its friction",
+        Arm::Load => {
+            "the reference through the inverse of the drive, its friction, and the load at its place"
+        }
     }
 }
 
