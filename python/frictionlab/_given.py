@@ -35,7 +35,7 @@ def numbers(values: Any, name: str, dimensions: Sequence[int] = (1,)) -> Floats:
     if array.ndim not in dimensions:
         shape = " by ".join(map(str, array.shape)) or "a single number"
         raise BadInput(f"`{name}` must have {' or '.join(map(str, dimensions))} dimension(s), but it is {shape}")
-    return np.ascontiguousarray(array, dtype=np.float64)
+    return np.asarray(array, dtype=np.float64, order="C")
 
 
 def _seconds(times: npt.NDArray[Any]) -> npt.NDArray[Any]:

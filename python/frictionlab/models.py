@@ -8,10 +8,12 @@ from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any, overload
 
+import numpy as np
 import numpy.typing as npt
 
 from . import _native
 from ._given import Floats, numbers
+from .errors import BadInput
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -68,7 +70,9 @@ class Model:
     def __init__(self, name: str, preset: str = "test-bed", **parameters: Any) -> None:
         native = _native.Model.preset(name, preset)
         if parameters:
-            values = json.loads(native.json())[native.name] | {key: _plain(value) for key, value in parameters.items()}
+            values = json.loads(native.json())[native.name]
+            for key, value in parameters.items():
+                values[key] = _plain(f"{native.name}.{key}", value, values.get(key))
             native = _native.Model.read(json.dumps({native.name: values}), None)
         self._native = native
 
@@ -158,6 +162,11 @@ class Model:
         return f"<b>{escape(self.title)}</b>{self.to_pandas().to_html()}"
 
 
-def _plain(value: Any) -> Any:
-    """A number or a list, as JSON has them."""
+def _plain(name: str, value: Any, before: Any) -> Any:
+    """A number or a list of numbers, as JSON has them."""
+    if value is None:
+        return None
+    array = numbers(value, name, (1,) if isinstance(before, list) else (0,))
+    if not np.isfinite(array).all():
+        raise BadInput(f"{name} must be a finite number, but is {value}")
     return value.tolist() if hasattr(value, "tolist") else value

@@ -55,13 +55,20 @@ impl Test {
         // could not be had are built again.
         fs::create_dir_all(&target)?;
         let mut expected = machine::look(&target);
-        expected.extend([Need::Rclpy, Need::BagTools, Need::Colcon, Need::Cyclone]);
+        expected.extend([
+            Need::Rclpy,
+            Need::BagTools,
+            Need::PythonTools,
+            Need::Colcon,
+            Need::Cyclone,
+        ]);
         expected.extend(self.full.then_some(Need::Jazzy));
         machine::write_down(&target, &expected)?;
         let examples = RUN_EXAMPLES.map(|name| ["--example", name]).concat();
         thread::scope(|scope| {
             scope.spawn(|| prepare_python(self.full));
-            let all = ["build", "--workspace", "--bins", "--tests", "--locked"];
+            // Libraries too: the extension module of Python is one that no program asks for.
+            let all = ["build", "--workspace", "--lib", "--bins", "--tests", "--locked"];
             cargo(root, &[&all[..], &examples].concat(), long)
         })?;
         machine::write_down(&target, &machine::look(&target))?;
