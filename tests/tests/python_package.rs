@@ -2,9 +2,9 @@
 //! built program, with the real rclpy, and with the extension module as it was built beside the
 //! program.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::{env, fs};
 
 use tests::{network, python};
 
@@ -36,7 +36,12 @@ fn bags_become_tables_curves_and_figures() {
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let mut command = Command::new("env");
     command.env("FRICTION_TEST_BAG", out.join("bag"));
-    python::pytest(command, &python, &package(), &["--ignore=tests/test_ros.py", "--ignore=tests/laboratory"]);
+    python::pytest(
+        command,
+        &python,
+        &package(),
+        &["--ignore=tests/test_ros.py", "--ignore=tests/laboratory"],
+    );
 }
 
 #[tests::needs(rclpy, bag_tools, namespace)]
@@ -59,15 +64,7 @@ fn assembled(into: &Path) {
     for part in ["frictionlab", "friction_analysis", "tests", "notebooks", "pyproject.toml"] {
         copied(&package().join(part), &into.join(part));
     }
-    let (before, after) = (env::consts::DLL_PREFIX, env::consts::DLL_SUFFIX);
-    let module =
-        tests::target_folder().join(format!("debug/{before}frictionlab_native{after}"));
-    assert!(
-        module.is_file(),
-        "no {}: `cargo build -p frictionlab_python` builds it",
-        module.display()
-    );
-    fs::copy(module, into.join("frictionlab/_native.abi3.so")).expect("a module");
+    fs::copy(tests::python_module(), into.join("frictionlab/_native.abi3.so")).expect("a module");
 }
 
 fn copied(from: &Path, to: &Path) {

@@ -27,13 +27,8 @@ const BAG_TOOLS: &[&str] = &[
 ];
 
 /// What checks the types of our Python and runs its notebook, and what builds its wheel.
-const PYTHON_TOOLS: &[&str] = &[
-    "mypy>=1.11,<3",
-    "pandas-stubs",
-    "nbclient>=0.10,<1",
-    "ipykernel>=6,<8",
-    "maturin>=1.9,<2",
-];
+const PYTHON_TOOLS: &[&str] =
+    &["mypy>=1.11,<3", "pandas-stubs", "nbclient>=0.10,<1", "ipykernel>=6,<8", "maturin>=1.9,<2"];
 
 /// The tool that builds ROS workspaces, as a ROS installation has it, and its extensions for cargo,
 /// which some workspaces have.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 use clap::ValueEnum;
-use numpy::PyArray1;
+use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use recording::trajectory;
@@ -17,6 +17,9 @@ use work::BadInput;
 use crate::arrays::{Table, array, table};
 use crate::calls::call;
 use crate::models::Model;
+
+/// Columns by name, whether the contact slips, and notes.
+type Simulated<'py> = (Bound<'py, PyDict>, Bound<'py, PyArray1<bool>>, Vec<String>);
 
 /// The friction along a motion, a file or a table: the columns of the result by name, whether the
 /// contact slips, and notes.
@@ -32,7 +35,7 @@ pub fn simulate<'py>(
     dt: f64,
     tolerance: f64,
     load_gain: Option<f64>,
-) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyArray1<bool>>, Vec<String>)> {
+) -> PyResult<Simulated<'py>> {
     let scheme = Scheme::from_str(scheme, true).map_err(|_| {
         let text = format!("the scheme must be `mean`, `held` or `rk4`, but is `{scheme}`");
         crate::errors::bad_input(py, text)
@@ -74,6 +77,6 @@ pub fn simulate<'py>(
     for (name, values) in result.columns {
         columns.set_item(name, array(py, values))?;
     }
-    let slips = numpy::IntoPyArray::into_pyarray(result.slips, py);
+    let slips = result.slips.into_pyarray(py);
     Ok((columns, slips, notes))
 }
