@@ -134,6 +134,26 @@ class Model:
         """
         return self._native.force(numbers(velocity, "velocity"), dt, scheme)
 
+    def sweep(
+        self,
+        varied: Mapping[str, npt.ArrayLike],
+        velocity: npt.ArrayLike,
+        dt: float,
+        *,
+        scheme: str = "mean",
+        jobs: int | None = None,
+    ) -> Floats:
+        """The friction of many parameter sets along one motion, a row a set, on all cores.
+
+        `varied` has a value a set for each parameter that varies; a number of a list is named by its
+        place, as ``"kappa[0]"``. The others are this model's.
+
+        >>> Model("coulomb").sweep({"f_c": [0.1, 0.2]}, [0.5, -0.5], 1e-3).round(3).tolist()
+        [[0.1, -0.1], [0.2, -0.2]]
+        """
+        columns = [(name, numbers(values, name)) for name, values in varied.items()]
+        return self._native.sweep(columns, numbers(velocity, "velocity"), dt, scheme, jobs)
+
     def contact(self, dt: float, *, scheme: str = "held") -> _native.Contact:
         """The model at rest, whose `step(velocity)` gives the friction once every `dt` [s]."""
         return self._native.contact(dt, scheme)

@@ -2,6 +2,7 @@
 //! ctrl-C, its errors and panics turned into exceptions.
 
 use std::any::Any;
+use std::num::NonZero;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -79,6 +80,14 @@ pub fn at_once<T>(py: Python<'_>, work: impl FnOnce() -> anyhow::Result<T>) -> P
 /// Nobody sees how far it is.
 pub fn silent() -> Progress {
     Progress::counting(1, "", true)
+}
+
+/// Threads: all cores, if nobody says how many.
+pub fn workers(jobs: Option<NonZero<u16>>) -> usize {
+    jobs.map_or_else(
+        || thread::available_parallelism().map_or(1, usize::from),
+        |jobs| usize::from(jobs.get()),
+    )
 }
 
 /// What a panic says.

@@ -1,7 +1,6 @@
 //! `features`: what tells friction models apart.
 
 use std::num::NonZero;
-use std::thread;
 
 use friction_model::ModelName;
 use pyo3::prelude::*;
@@ -10,7 +9,7 @@ use studies::features::{FeaturesOptions, compute, page, summary};
 use work::model_name::model_name;
 use work::{BadInput, Interrupted};
 
-use crate::calls::{call, silent};
+use crate::calls::{call, silent, workers};
 
 /// The features of these models, of all where there are none: JSON, page and text.
 #[pyfunction]
@@ -24,10 +23,7 @@ pub fn features(
         let named = named.map_err(|error| BadInput(error.to_string()))?;
         let chosen = |name: &ModelName| named.is_empty() || named.contains(name);
         let models = ModelName::ALL.into_iter().filter(chosen).collect();
-        let workers = jobs.map_or_else(
-            || thread::available_parallelism().map_or(1, usize::from),
-            |jobs| usize::from(jobs.get()),
-        );
+        let workers = workers(jobs);
         let results = compute(&FeaturesOptions { models, workers }, &silent(), cancel)?;
         let results = results.ok_or_else(|| Interrupted("stopped before the end".to_owned()))?;
         let html = render_page(&linked(page(&results), ["features.json"]));

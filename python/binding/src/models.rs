@@ -1,15 +1,18 @@
 //! Models: which there are, what their parameters mean, and their friction.
 
+use std::num::NonZero;
+
 use clap::ValueEnum;
 use experiment_runner::models::{Preset, file, sheet};
 use friction_model::{AnyModel, AnyStepper, MAX_SPEED, Scheme, TimeStep};
-use numpy::{PyArray1, PyReadonlyArray1};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
-use work::BadInput;
+use studies::sweep::{SweepError, sets, sweep};
 use work::model_name::model_name;
+use work::{BadInput, Interrupted};
 
 use crate::arrays::{array, values};
-use crate::calls::{at_once, call};
+use crate::calls::{at_once, call, workers};
 
 /// All models, or one, with their parameters, units, ranges and values, as JSON.
 #[pyfunction]
@@ -101,16 +104,46 @@ impl Model {
         Ok(array(py, forces))
     }
 
+    /// The friction of many parameter sets along velocities that are `dt` apart, a row a set; those
+    /// of this model but for what varies.
+    fn sweep<'py>(
+        &self,
+        py: Python<'py>,
+        varied: Vec<(String, PyReadonlyArray1<'py, f64>)>,
+        velocity: PyReadonlyArray1<'py, f64>,
+        dt: f64,
+        scheme: &str,
+        jobs: Option<NonZero<u16>>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let varied: Vec<_> =
+            varied.iter().map(|(name, array)| (name.clone(), values(array))).collect();
+        let how = at_once(py, || how(dt, scheme))?;
+        let (model, velocity) = (self.0, values(&velocity));
+        let shape = [varied.first().map_or(0, |(_, values)| values.len()), velocity.len()];
+        let workers = workers(jobs);
+        let forces = call(py, move |cancel| {
+            let bad = |error: SweepError| BadInput(error.to_string());
+            let models = sets(&model, &varied).map_err(bad)?;
+            let forces = sweep(&models, &velocity, how, workers, cancel).map_err(bad)?;
+            forces.ok_or_else(|| Interrupted("stopped before the end".to_owned()).into())
+        })?;
+        array(py, forces).reshape(shape)
+    }
+
     /// The model at rest, to be stepped once every `dt`.
     fn contact(&self, py: Python<'_>, dt: f64, scheme: &str) -> PyResult<Contact> {
         at_once(py, || {
-            let dt = TimeStep::new(dt).map_err(|error| BadInput(error.to_string()))?;
-            let scheme: Scheme = scheme.parse().map_err(|_| {
-                BadInput(format!("the scheme must be `mean` or `held`, but is `{scheme}`"))
-            })?;
+            let (dt, scheme) = how(dt, scheme)?;
             Ok(Contact(self.0.start_by(scheme, dt)))
         })
     }
+}
+
+/// Period and scheme of fixed steps.
+fn how(dt: f64, scheme: &str) -> anyhow::Result<(TimeStep, Scheme)> {
+    let dt = TimeStep::new(dt).map_err(|error| BadInput(error.to_string()))?;
+    let expected = |_| BadInput(format!("the scheme must be `mean` or `held`, but is `{scheme}`"));
+    Ok((dt, scheme.parse().map_err(expected)?))
 }
 
 /// A velocity that a model may be asked for.

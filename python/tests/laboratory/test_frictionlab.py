@@ -56,6 +56,17 @@ def test_a_model_stepped_by_hand_is_the_same_model():
     assert contact.step(float(v[0])) == stepped[0]
 
 
+def test_a_sweep_has_a_row_for_each_set():
+    model = frictionlab.Model("gms")
+    v = 0.3 * np.sin(np.linspace(0.0, 9.0, 200))
+    sets = {"f_c": np.linspace(0.05, 0.09, 7), "f_v": np.linspace(0.0, 0.1, 7)}
+    found = model.sweep(sets, v, 1e-3)
+    assert found.shape == (7, 200) and np.array_equal(found, model.sweep(sets, v, 1e-3, jobs=1))
+    third = frictionlab.Model("gms", f_c=sets["f_c"][2], f_v=sets["f_v"][2])
+    assert np.array_equal(found[2], third.force(v, 1e-3))
+    assert model.sweep({}, v, 1e-3).shape == (0, 200)
+
+
 def test_a_model_goes_through_its_parameter_file():
     model = frictionlab.Model("gms", preset="chapter-3")
     assert frictionlab.Model.from_yaml(model.to_yaml()).parameters == model.parameters
@@ -178,6 +189,9 @@ NUMBERS = {"t_s": np.arange(50) * 1e-3, "velocity_rad_s": np.ones(50)}
         (lambda: frictionlab.Model("lugre").force(["a"], 1e-3), "must hold numbers"),
         (lambda: frictionlab.Model("lugre").force([[1.0]], 1e-3), "dimension"),
         (lambda: frictionlab.Model("lugre").force([1.0, [2.0]], 1e-3), "array of numbers"),
+        (lambda: frictionlab.Model("lugre").sweep({"f_x": [1.0]}, [0.1], 1e-3), "no parameter `f_x`"),
+        (lambda: frictionlab.Model("lugre").sweep({"f_c": [0.09, -1.0]}, [0.1], 1e-3), "parameter set 1"),
+        (lambda: frictionlab.Model("lugre").sweep({"f_c": [0.09], "f_v": []}, [0.1], 1e-3), "`f_v` has 0"),
         (lambda: frictionlab.identify("none.csv"), "No such file"),
         (lambda: frictionlab.identify(closed()), "closed file"),
         (lambda: frictionlab.identify(3), "files, DataFrames or arrays"),
