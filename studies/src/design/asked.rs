@@ -1,10 +1,5 @@
 //! What is asked of a design: the options of `frictionlab design`, and what they stand for.
 
-#![expect(
-    rustdoc::broken_intra_doc_links,
-    reason = "options are read in a terminal, where units are not escaped"
-)]
-
 use std::path::PathBuf;
 
 use controller::design::response::StepDefinition;
