@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use clap::builder::ValueParser;
-use clap::{Arg, Args, Command, CommandFactory, FromArgMatches, Parser};
+use clap::{Arg, Args, Command};
 use msgs::friction_msgs::{IdentifyRequest, RunExperimentGoal, Setting, StartExperimentRequest};
 use rig_driver::safety::SafetyLimits;
 
@@ -250,23 +250,12 @@ pub(super) fn run_command() -> Command {
     RunArgs::augment_args(Command::new("run"))
 }
 
-#[derive(Debug, Parser)]
-#[command(no_binary_name = true, disable_help_flag = true)]
-struct Line<A: Args> {
-    #[command(flatten)]
-    args: A,
-}
-
 /// Reads a command line.
 ///
 /// # Errors
 /// [`Refusal::BadRequest`] says in a sentence what was wrong.
 pub fn parse<A: Args>(line: &[String]) -> Result<A, Refusal> {
-    let mut command = Line::<A>::command();
-    command
-        .try_get_matches_from_mut(line)
-        .and_then(|found| Line::<A>::from_arg_matches(&found))
-        .map_or_else(|error| Err(Refusal::BadRequest(sentence(&error))), |Line { args }| Ok(args))
+    work::line::parse(line).map_err(|error| Refusal::BadRequest(error.0))
 }
 
 /// An option's name, however it is written: `voltage_limit` and `--voltage-limit` are one.
@@ -320,16 +309,6 @@ fn settings(
         }
     }
     Ok(line)
-}
-
-/// What clap says, without what only a terminal is interested in.
-fn sentence(error: &clap::Error) -> String {
-    let text = error.render().to_string();
-    let end =
-        ["\n\nUsage:", "\n\nFor more information"].iter().filter_map(|mark| text.find(mark)).min();
-    let text = text.get(..end.unwrap_or(text.len())).unwrap_or(&text);
-    let words: Vec<&str> = text.trim_start_matches("error:").split_whitespace().collect();
-    words.join(" ")
 }
 
 #[cfg(test)]
