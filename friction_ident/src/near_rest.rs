@@ -82,7 +82,7 @@ pub fn left_near_rest(
         for octave in 1..=OCTAVES {
             let high = most * 0.5f64.powi(octave as i32);
             let low = if octave == OCTAVES { 0.0 } else { 0.5 * high };
-            let Some((mean, clear)) = over_passes(rows, &passes, |k| {
+            let Some((mean, clear)) = over_passes(&passes, |k| {
                 let inside = (low..high).contains(&quantity[k]);
                 inside.then(|| residuals[k] * velocity[k].signum())
             }) else {
@@ -117,19 +117,15 @@ fn passes(velocity: &[f64], way: &[f64]) -> Vec<usize> {
 
 /// Mean of `of` over the rows where it has a value, and by how many deviations it is clear of zero,
 /// one pass one observation.
-fn over_passes(
-    rows: usize,
-    passes: &[usize],
-    of: impl Fn(usize) -> Option<f64>,
-) -> Option<(f64, f64)> {
+fn over_passes(passes: &[usize], of: impl Fn(usize) -> Option<f64>) -> Option<(f64, f64)> {
     let mut sums: Vec<(usize, f64)> = Vec::new();
     let mut count = 0usize;
-    for k in 0..rows {
+    for (k, &pass) in passes.iter().enumerate() {
         let Some(value) = of(k) else { continue };
         count += 1;
         match sums.last_mut() {
-            Some((pass, sum)) if *pass == passes[k] => *sum += value,
-            _ => sums.push((passes[k], value)),
+            Some((last, sum)) if *last == pass => *sum += value,
+            _ => sums.push((pass, value)),
         }
     }
     let n = sums.len() as f64;
