@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use crate::axis::{Axis, Bench, Known};
 use crate::drive::Drive;
 use crate::feedback::FedBack;
-use crate::friction::{Friction, plant};
+use crate::friction::{Curve, Friction, plant};
 use crate::identified::{Identified, Levels, Settings};
 use crate::loop_design::{LoopDesign, Plant};
 use crate::model::Chosen;
@@ -92,11 +92,12 @@ impl Bed {
         design: LoopDesign,
     ) -> Result<Self, CommissionError> {
         let curve = &chosen.curve;
-        let levels = (curve.f_s.value, curve.f_c.value);
+        let (f_s, v_s) = seen(curve, friction.speeds.0);
+        let levels = (f_s, curve.f_c.value);
         let plant = refined(known, drive, chosen);
         let load = chosen.structure.as_ref().and_then(|structure| structure.load);
         let amplitude = amplitude(known, friction);
-        Ok(Self::new(plant, design, levels, (curve.v_s.value, 2.0), amplitude)?.carrying(load))
+        Ok(Self::new(plant, design, levels, (v_s, 2.0), amplitude)?.carrying(load))
     }
 
     /// Of a plant, the static and the kinetic level \[V\], velocity [rad/s] and shape of the dip, and
@@ -382,6 +383,17 @@ impl Bed {
             Ok(Box::new(running) as Box<dyn RunningLoop>)
         })
     }
+}
+
+/// Static level \[V\] and Stribeck velocity [rad/s] of a curve that was seen from `slowest` [rad/s] on:
+/// below that no more friction is believed than a dip has that ends there. Too much would push.
+fn seen(curve: &Curve, slowest: f64) -> (f64, f64) {
+    let (f_s, f_c, v_s) = (curve.f_s.value, curve.f_c.value, curve.v_s.value);
+    if !curve.dips || slowest <= v_s {
+        return (f_s, v_s);
+    }
+    let dip = (f_s - f_c) * (1.0 - (slowest / v_s).powi(2)).exp();
+    (f_c + dip, slowest)
 }
 
 /// What each cycle's encoder misses of the reference \[rad\].

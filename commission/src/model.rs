@@ -76,7 +76,7 @@ fn choose(friction: &Friction, held_back: Vec<Point>) -> Result<Chosen, Commissi
     }
     };
     let straight = if friction.curve.dips {
-        Curve::straight(&friction.points).ok_or_else(unusable)?
+        friction.straight().ok_or_else(unusable)?
     } else {
         friction.curve
     };

@@ -12,7 +12,7 @@ use crate::{CommissionError, Ranged, Stage};
 const KNOWN: f64 = 1e-3;
 /// A dip ends below this share of the fastest speed that the rig can have: what bends farther up is
 /// another friction.
-const SLOW: f64 = 0.3;
+pub(super) const SLOW: f64 = 0.3;
 /// A dip is at least this share of the kinetic level: less is no matter for a compensation.
 const DEEP: f64 = 0.02;
 

@@ -10,6 +10,7 @@ mod choice;
 mod curve;
 mod drift;
 mod menu;
+mod rivals;
 mod spread;
 mod trail;
 pub mod wanted;
@@ -228,8 +229,29 @@ pub fn friction(
     let menu = narrowed(&whole, &underway);
     let Underway { blocks, points, trails, .. } = underway;
     let drift::Drift { points, change } = drift::now(&even(&points));
+    let curve = rivals::reaching(curve, &points, able);
+    let ending = match ending {
+        // What fits as well was not looked at before.
+        Ending::Met | Ending::NoDip if !is_known(&curve, wanted) => Ending::NothingToGain,
+        ending => ending,
+    };
     let speeds = (menu[0], menu[MENU - 1]);
     Ok(Friction { curve, ending, blocks, points, trails, change, speeds, kept_from, followed_by })
+}
+
+/// Whether what is wanted of the curve is known.
+fn is_known(curve: &Curve, wanted: &Wanted) -> bool {
+    let wanted = if curve.dips { wanted.clone() } else { wanted.without_dip() };
+    wanted.missing(curve).is_empty()
+}
+
+impl Friction {
+    /// The straight line through what was measured, where no dip is believed.
+    #[must_use]
+    pub fn straight(&self) -> Option<Curve> {
+        let line = spread::widened(Curve::straight(&self.points)?, &self.points, Curve::straight);
+        Some(rivals::reaching(line, &self.points, self.kept_from.unwrap_or_default()))
+    }
 }
 
 /// The curve of what was measured, as it is now, of a rig that can turn as fast as `able` [rad/s].

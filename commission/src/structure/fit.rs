@@ -1,9 +1,9 @@
 //! What goes with the place, fitted to the trails of all blocks at once.
 //!
 //! Each block has a friction of its own, which acts against both ways and is taken out of volts and
-//! columns alike (Frisch and Waugh 1933). Blocks count by how little they scatter. What is left of a
-//! block is of one cause, so that the errors are those of clusters (Liang and Zeger 1986), with
-//! Student's quantile for as many blocks as are left of the columns.
+//! columns alike (Frisch and Waugh 1933). Blocks count by how little they scatter. What is left at a
+//! speed is of one cause, so that the errors are those of clusters (Liang and Zeger 1986), with
+//! Student's quantile for as many speeds as are left of the columns.
 
 use friction_ident::statistics::{student_95, upper_median};
 use nalgebra::{DMatrix, DVector};
@@ -12,6 +12,8 @@ use crate::friction::{Part, Trail};
 
 /// Rounds in which the blocks are weighed.
 const ROUNDS: usize = 3;
+/// Ratio of speeds up to which blocks are of one cluster.
+const ALIKE: f64 = 1.25;
 /// The least scatter of a block that is believed, as a share of the usual one.
 const LEAST: f64 = 0.1;
 
@@ -52,7 +54,7 @@ pub(super) struct Fitted {
     pub(super) values: DVector<f64>,
     /// Their covariance.
     covariance: DMatrix<f64>,
-    /// Blocks less columns.
+    /// Clusters less columns.
     free: usize,
     /// Scatter of each block \[V\].
     scatter: Vec<f64>,
@@ -89,7 +91,9 @@ fn rows(trail: &Trail, columns: &[Column], level: bool) -> (DMatrix<f64>, DVecto
 impl Fitted {
     /// Fits the columns; none where the blocks are too few, or do not tell the columns apart.
     pub(super) fn of(trails: &[&Trail], columns: &[Column], level: bool) -> Option<Self> {
-        let free = trails.len().checked_sub(columns.len() + 1).filter(|free| *free > 0)?;
+        let clusters = clusters(trails);
+        let count = clusters.iter().max()? + 1;
+        let free = count.checked_sub(columns.len() + 1).filter(|free| *free > 0)?;
         let blocks: Vec<_> = trails.iter().map(|trail| rows(trail, columns, level)).collect();
         let n = columns.len();
         let mut weights = vec![1.0; blocks.len()];
@@ -115,12 +119,16 @@ impl Fitted {
             let scatter: Vec<f64> =
                 left.iter().map(|r| (r.norm_squared() / r.len() as f64).sqrt()).collect();
             let mut middle = DMatrix::<f64>::zeros(n, n);
-            for (((x, _), r), weight) in blocks.iter().zip(&left).zip(&weights) {
-                let g = x.transpose() * r * *weight;
-                middle += &g * g.transpose();
+            let mut scores = vec![DVector::<f64>::zeros(n); count];
+            for ((((x, _), r), weight), cluster) in
+                blocks.iter().zip(&left).zip(&weights).zip(&clusters)
+            {
+                scores[*cluster] += x.transpose() * r * *weight;
             }
-            let count = blocks.len() as f64;
-            let covariance = &inverse * middle * &inverse * (count / free as f64);
+            for score in &scores {
+                middle += score * score.transpose();
+            }
+            let covariance = &inverse * middle * &inverse * (count as f64 / free as f64);
             let usual = upper_median(&mut scatter.clone()).unwrap_or_default();
             let least = LEAST * usual;
             weights = scatter.iter().map(|s| s.max(least).max(1e-12).powi(-2)).collect();
@@ -179,6 +187,23 @@ impl Fitted {
             ..trail.clone()
         }
     }
+}
+
+/// The cluster of each trail.
+fn clusters(trails: &[&Trail]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..trails.len()).collect();
+    order.sort_by(|a, b| trails[*a].velocity.total_cmp(&trails[*b].velocity));
+    let (mut clusters, mut now, mut begins) = (vec![0; trails.len()], 0, None);
+    for index in order {
+        let velocity = trails[index].velocity;
+        match begins {
+            Some(first) if velocity > ALIKE * first => (now, begins) = (now + 1, Some(velocity)),
+            None => begins = Some(velocity),
+            Some(_) => {}
+        }
+        clusters[index] = now;
+    }
+    clusters
 }
 
 /// Mean square of what is there of trails, less friction and mean \[V^2\].

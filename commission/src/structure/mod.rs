@@ -28,6 +28,8 @@ const BENDS: f64 = 2.5;
 const MATTERS: f64 = 0.005;
 /// What may be as large as this share of the friction is not said to be absent.
 const UNSURE: f64 = 0.1;
+/// No size is known better than this share of it: gain and time constant of the drive are in it.
+const KNOWN: f64 = 0.02;
 /// Waves that are told, at most.
 const WAVES: usize = 3;
 /// A wave has to be so many half widths of its interval.
@@ -125,11 +127,14 @@ impl Kind {
         }
     }
 
-    /// Whether each part of it is clear of nothing.
-    fn is_clear(self, fitted: &Fitted) -> bool {
-        let clear = |part: Option<(f64, f64)>| part.is_none_or(|(size, half)| size.abs() > half);
+    /// Whether each part of it is clear of nothing; a spring pulls back, over a part of a turn alone it
+    /// may be a load that hangs upwards.
+    fn is_clear(self, fitted: &Fitted, covered: f64) -> bool {
         let (gravity, spring) = self.sizes(fitted);
-        clear(gravity) && clear(spring)
+        gravity.is_none_or(|(size, half)| size > half)
+            && spring.is_none_or(|(size, half)| {
+                size > half || (covered < BENDS && size.abs() > half)
+            })
     }
 }
 
@@ -175,7 +180,7 @@ pub fn structure(trails: &[Trail], held_back: &[Trail], curve: &Curve, drive: &D
     for (kind, fitted) in &fitted {
         let now = missed(fitted);
         let better = kept.is_empty() || now < (1.0 - CLEARLY).powi(2) * chosen.2;
-        if better && kind.is_clear(fitted) {
+        if better && kind.is_clear(fitted, covered) {
             chosen = (*kind, fitted.clone(), now);
         }
     }
@@ -209,9 +214,13 @@ pub fn structure(trails: &[Trail], held_back: &[Trail], curve: &Curve, drive: &D
     let gravity = told(|parts| parts.0);
     let spring = told(|parts| parts.1);
     Structure {
-        direction: found(Some((chosen.values[0], chosen.half(0))), None, friction, String::new),
+        direction: direction(kind, covered, (chosen.values[0], chosen.half(0)), friction),
         gravity: found(gravity.0, gravity.1, friction, short),
-        spring: found(spring.0, spring.1.map(|s| (s.0 * covered, s.1 * covered)), friction, short),
+        spring: if covered < BENDS && kind == Kind::Spring {
+            Finding::Unknown { why: format!("a load that rises by {:.3} V/rad is there; {}", chosen.values[1], short()) }
+        } else {
+            found(spring.0, spring.1.map(|s| (s.0 * covered, s.1 * covered)), friction, short)
+        },
         ripple,
         ripple_looked_for: looked_for,
         play,
@@ -219,6 +228,18 @@ pub fn structure(trails: &[Trail], held_back: &[Trail], curve: &Curve, drive: &D
         covered,
         errors: (first.sqrt(), last.sqrt()),
     }
+}
+
+/// What is told of the directions: a load that is the same everywhere looks the same.
+fn direction(kind: Kind, covered: f64, one: (f64, f64), friction: f64) -> Finding {
+    let unknown = |why: &str| Finding::Unknown { why: why.to_owned() };
+    if matches!(kind, Kind::Spring | Kind::Both) {
+        return unknown("a spring whose slack place is not known looks the same");
+    }
+    if covered < BENDS {
+        return unknown("the blocks went over a part of a turn only, where a load looks the same");
+    }
+    found(Some(one), None, friction, String::new)
 }
 
 /// What is told of one: where it is `there`, else where it was `looked` for; beside a friction \[V\].
@@ -230,7 +251,7 @@ fn found(
 ) -> Finding {
     match (there, looked) {
         (Some((size, half)), _) if size.abs() > half && size.abs() > MATTERS * friction => {
-            Finding::There { size: Ranged::new(size, size - half, size + half) }
+            Finding::There { size: Ranged::new(size, size - half, size + half).at_least(KNOWN) }
         }
         (Some((size, half)), _) | (None, Some((size, half))) => {
             let below = size.abs() + half;

@@ -84,10 +84,16 @@ pub(super) fn told(machine: &Machine, truth: &Truth, found: &Structure) -> Vec<T
     let sine = there.map_or(0.0, |load| load.sine.hypot(load.cosine));
     all.push(of(Part::Gravity, &found.gravity, sine));
     all.push(of(Part::Spring, &found.spring, there.map_or(0.0, |load| load.slope)));
-    // With a spring it is told at the place zero.
-    let turned = super::truth::turned(machine);
-    let one_way = turned * machine.stickier * truth.f_c + there.map_or(0.0, |load| load.offset);
-    all.push(of(Part::Direction, &found.direction, one_way));
+    // It is a share of the friction, which depends on the speed and on how warm the machine is.
+    let share = super::truth::turned(machine) * machine.stickier;
+    let levels = (0.9 * truth.f_c, truth.f_s.max(truth.f_c) / 0.9);
+    let (a, b) = (share * levels.0, share * levels.1);
+    let mut direction = of(Part::Direction, &found.direction, share * truth.f_c);
+    if let Finding::There { size } = &found.direction {
+        let below = size.high.is_none_or(|high| high >= a.min(b));
+        direction.holds = Some(below && size.low.is_none_or(|low| low <= a.max(b)));
+    }
+    all.push(direction);
     all
 }
 
