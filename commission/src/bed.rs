@@ -1,8 +1,9 @@
 //! The controller of an axis: the loop, and what is fed forward beside it.
 
 use controller::design::LinearDrive;
-use controller::{Controller, ControllerOptions, PlantInverse};
+use controller::{Controller, ControllerOptions, Load, PlantInverse};
 use experiment_runner::control_loop::{ControlLoop, EPOCH_NS, RunningLoop};
+use experiment_runner::cycle::CycleSample;
 use experiment_runner::test_bed::TestBedError;
 use experiment_runner::waveform::Waveform;
 use friction_ident::statistics::root_mean_square;
@@ -61,6 +62,8 @@ pub enum Arm {
     Reference,
     /// And the friction that the reference will meet.
     Friction,
+    /// And the load at its place.
+    Load,
 }
 
 /// The controller and the friction model of an axis, in every arm.
@@ -73,6 +76,8 @@ pub struct Bed {
     amplitude: f64,
     resting_angle: f64,
     fed_back: Option<FedBack>,
+    load: Option<Load>,
+    level: f64,
 }
 
 impl Bed {
@@ -89,7 +94,9 @@ impl Bed {
         let curve = &chosen.curve;
         let levels = (curve.f_s.value, curve.f_c.value);
         let plant = refined(known, drive, chosen);
-        Self::new(plant, design, levels, (curve.v_s.value, 2.0), amplitude(known, friction))
+        let load = chosen.structure.as_ref().and_then(|structure| structure.load);
+        let amplitude = amplitude(known, friction);
+        Ok(Self::new(plant, design, levels, (curve.v_s.value, 2.0), amplitude)?.carrying(load))
     }
 
     /// Of a plant, the static and the kinetic level \[V\], velocity [rad/s] and shape of the dip, and
@@ -117,6 +124,8 @@ impl Bed {
             amplitude,
             resting_angle: 0.0,
             fed_back: None,
+            load: None,
+            level: 1.0,
         })
     }
 
@@ -125,6 +134,37 @@ impl Bed {
     #[must_use]
     pub const fn resting(self, resting_angle: f64) -> Self {
         Self { resting_angle, ..self }
+    }
+
+    /// The same with a load that depends on the place, by the rig's own count.
+    #[must_use]
+    pub const fn carrying(self, load: Option<Load>) -> Self {
+        Self { load, ..self }
+    }
+
+    /// The load that depends on the place, where one was found.
+    #[must_use]
+    pub const fn load(&self) -> Option<Load> {
+        self.load
+    }
+
+    /// The same with so much of the friction compensated, of what the curve says.
+    #[must_use]
+    pub const fn leveled(self, level: f64) -> Self {
+        Self { level, ..self }
+    }
+
+    /// How much of the friction is compensated, of what the curve says.
+    #[must_use]
+    pub const fn level(&self) -> f64 {
+        self.level
+    }
+
+    /// Those arms that differ here, the simplest first.
+    #[must_use]
+    pub fn arms(&self) -> Vec<Arm> {
+        let differs = |arm: &Arm| *arm != Arm::Load || self.load.is_some();
+        <Arm as strum::VariantArray>::VARIANTS.iter().copied().filter(differs).collect()
     }
 
     /// The same with another loop.
@@ -189,14 +229,18 @@ impl Bed {
         // Friction is told in volts: one of them overcomes one of them.
         controller.compensation.volts_per_newton_metre = 1.0;
         controller.resting_angle = self.resting_angle;
-        controller.compensation.scale = 1.0;
-        controller.compensation.enabled = arm == Arm::Friction;
+        controller.compensation.scale = self.level;
+        controller.compensation.enabled = arm >= Arm::Friction;
         controller.inverse = match arm {
             Arm::Linear => PlantInverse::Off,
-            Arm::Reference | Arm::Friction => PlantInverse::Whole(self.plant.drive),
+            _ => PlantInverse::Whole(self.plant.drive),
         };
+        if arm == Arm::Load {
+            controller.load = self.load.unwrap_or(Load::NONE);
+        }
         if let Some(fed_back) = &self.fed_back {
             controller.compensation.enabled = true;
+            controller.compensation.scale = 1.0;
             controller.inverse = PlantInverse::Whole(self.plant.drive);
             return (controller, fed_back.estimator(&self.plant, self.levels.f_s));
         }
@@ -217,8 +261,37 @@ impl Bed {
         stage: Stage,
         arm: Arm,
     ) -> Result<f64, CommissionError> {
-        let errors = self.track(axis, bench, stage, arm, self.sine(), (FROM, SECONDS))?;
-        Ok(root_mean_square(&errors))
+        Ok(root_mean_square(&missed(&self.heard(axis, bench, stage, arm)?)))
+    }
+
+    /// The same, cycle by cycle.
+    ///
+    /// # Errors
+    /// As for [`try_out`](Self::try_out).
+    pub fn heard(
+        &self,
+        axis: &mut Axis<'_>,
+        bench: &Bench,
+        stage: Stage,
+        arm: Arm,
+    ) -> Result<Vec<CycleSample>, CommissionError> {
+        self.track(axis, bench, stage, arm, self.sine(), (FROM, SECONDS))
+    }
+
+    /// Any task: what each cycle's encoder misses \[rad\], of the part of the time that is asked
+    /// for.
+    ///
+    /// # Errors
+    /// As for [`try_out`](Self::try_out).
+    pub fn does(
+        &self,
+        axis: &mut Axis<'_>,
+        bench: &Bench,
+        stage: Stage,
+        (arm, task): (Arm, Waveform),
+        part: (f64, f64),
+    ) -> Result<Vec<f64>, CommissionError> {
+        Ok(missed(&self.track(axis, bench, stage, arm, task, part)?))
     }
 
     /// A smooth move by the task's amplitude, which is then held: what each cycle's encoder misses
@@ -234,7 +307,7 @@ impl Bed {
         (arm, forward): (Arm, bool),
         part: (f64, f64),
     ) -> Result<Vec<f64>, CommissionError> {
-        self.track(axis, bench, stage, arm, self.smooth_move(forward), part)
+        self.does(axis, bench, stage, (arm, self.smooth_move(forward)), part)
     }
 
     /// The sine, and when it begins to count and ends \[s\].
@@ -250,6 +323,12 @@ impl Bed {
             amplitude: self.amplitude,
             angular_frequency: std::f64::consts::TAU / PERIOD,
         }
+    }
+
+    /// Amplitude of the task \[rad\].
+    #[must_use]
+    pub const fn amplitude(&self) -> f64 {
+        self.amplitude
     }
 
     /// The smooth move.
@@ -271,7 +350,9 @@ impl Bed {
     /// The arm as a simulation takes it.
     #[must_use]
     pub fn simulated(&self, arm: Arm) -> Settings {
-        let (controller, estimator) = self.settings(arm);
+        let (mut controller, estimator) = self.settings(arm);
+        // What was identified hangs nowhere.
+        controller.load = Load::NONE;
         Settings { controller, estimator, friction: self.friction }
     }
 
@@ -283,13 +364,15 @@ impl Bed {
         arm: Arm,
         task: Waveform,
         part: (f64, f64),
-    ) -> Result<Vec<f64>, CommissionError> {
-        let (controller, estimator) = self.settings(arm);
+    ) -> Result<Vec<CycleSample>, CommissionError> {
+        let (mut controller, estimator) = self.settings(arm);
         if let Some(reach) = axis.reach() {
             let place = (reach.middle(), NEAR * reach.length());
             let still = self.settings(Arm::Linear).0;
             axis.go(bench, stage, still, place, self.amplitude / PERIOD)?;
         }
+        // A turn counts from where it begins.
+        controller.load = controller.load.from(bench.place()?);
         axis.track(bench, stage, part, |rig: Box<dyn Rig + Send>| {
             let dt = TimeStep::new(rig.period()).map_err(TestBedError::from)?;
             let estimator = FrictionEstimator::new(&self.friction, estimator, dt)
@@ -299,6 +382,12 @@ impl Bed {
             Ok(Box::new(running) as Box<dyn RunningLoop>)
         })
     }
+}
+
+/// What each cycle's encoder misses of the reference \[rad\].
+#[must_use]
+pub fn missed(seen: &[CycleSample]) -> Vec<f64> {
+    seen.iter().map(|now| now.reference.position - now.measurement.encoder_position).collect()
 }
 
 /// Amplitude of the task \[rad\].

@@ -6,14 +6,17 @@
 //! ([`mod@pareto`]), and on the rig where it is clearly better there and the time is left.
 
 use controller::design::LinearDrive;
+use experiment_runner::cycle::CycleSample;
+use friction_ident::statistics::root_mean_square;
 use rig_setup::REST;
 use serde::{Deserialize, Serialize};
 
 use crate::axis::{Axis, Bench, Known};
-use crate::bed::{Arm, Bed, refined, seconds};
+use crate::bed::{Arm, Bed, missed, refined, seconds};
 use crate::drive::Drive;
 use crate::feedback::FedBack;
 use crate::friction::Friction;
+use crate::level::level_now;
 use crate::loop_design::{LoopDesign, QUICK, design, design_below};
 use crate::meet::Met;
 use crate::model::Chosen;
@@ -69,6 +72,13 @@ pub struct Control {
     pub resting_angle: f64,
     /// Whether the shaft rests after a move.
     pub rests: bool,
+    /// How much of the friction is compensated, of what the curve says: it may have changed since.
+    #[serde(default = "whole")]
+    pub level: f64,
+}
+
+pub(crate) const fn whole() -> f64 {
+    1.0
 }
 
 /// Rig time of the stage \[s\].
@@ -91,8 +101,9 @@ pub fn control(
     let refined = refined(known, drive, chosen);
     let design = design(&refined, QUICK, Stage::Control)?;
     let bed = Bed::of(known, drive, (friction, chosen), design)?;
-    let arms = <Arm as strum::VariantArray>::VARIANTS;
+    let arms = bed.arms();
     let mut errors: Vec<(Arm, Vec<f64>)> = arms.iter().map(|arm| (*arm, Vec::new())).collect();
+    let mut heard: Vec<Vec<Vec<CycleSample>>> = vec![Vec::new(); arms.len()];
     axis.say(Stage::Control, "what feedback is worth, in simulation");
     let tried = pareto::tried(&bed)?;
     let mut fed_back_errors = pareto::promising(&tried, CLEARLY)
@@ -100,9 +111,11 @@ pub fn control(
         .map(|fed| (fed, Vec::new()));
     let bench = axis.bench()?;
     for _ in 0..TIMES {
-        for (arm, errors) in &mut errors {
+        for ((arm, errors), heard) in errors.iter_mut().zip(&mut heard) {
             axis.say(Stage::Control, &format!("{arm}"));
-            errors.push(bed.try_out(axis, &bench, Stage::Control, *arm)?);
+            let seen = bed.heard(axis, &bench, Stage::Control, *arm)?;
+            errors.push(root_mean_square(&missed(&seen)));
+            heard.push(seen);
         }
         if let Some((fed, errors)) = &mut fed_back_errors {
             axis.say(Stage::Control, &format!("{} fed back", fed.kind));
@@ -111,6 +124,9 @@ pub fn control(
         }
     }
     let arm = choose(&errors);
+    let of_arm = errors.iter().position(|(one, _)| *one == arm);
+    let level = of_arm.map_or(1.0, |place| level_now(1.0, &heard[place]));
+    let bed = bed.leveled(level);
     let fed = fed_back_errors.as_ref().filter(|(_, fed)| is_better(fed, arm, &errors));
     let fed_bed = fed.map(|(fed, _)| bed.feeding_back(Some(*fed)));
     let rested = match fed_bed {
@@ -138,6 +154,7 @@ pub fn control(
         fed_back_errors,
         resting_angle,
         rests,
+        level,
     })
 }
 
@@ -213,6 +230,7 @@ mod tests {
     #[test]
     fn of_arms_that_are_alike_the_simplest_is_chosen() {
         let of = |errors: [[f64; 2]; 3]| {
+            // The last is there where a load was found.
             let arms = <Arm as strum::VariantArray>::VARIANTS.iter().copied();
             choose(&arms.zip(errors.map(Vec::from)).collect::<Vec<_>>())
         };

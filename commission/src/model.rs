@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::axis::{Axis, Known};
 use crate::drive::Drive;
-use crate::friction::{Curve, Friction, HELD_BACK, Point, between, blocks};
+use crate::friction::{Curve, Friction, HELD_BACK, Point, Trail, between, blocks};
 use crate::meet::Met;
+use crate::structure::{Structure, structure};
 use crate::{CommissionError, Stage};
 
 /// Neighbours of the menu between which the held back speeds lie.
@@ -36,6 +37,9 @@ pub struct Chosen {
     pub errors: (f64, f64),
     /// The block that was held back.
     pub held_back: Vec<Point>,
+    /// What depends on place and direction.
+    #[serde(default)]
+    pub structure: Option<Structure>,
 }
 
 /// Does the stage.
@@ -50,13 +54,18 @@ pub fn model(
     let menu = between(friction.speeds.0, friction.speeds.1);
     let bench = axis.bench()?;
     let blocks = blocks(known, (met, drive), &friction.followed_by, axis.reach());
-    let mut held_back = Vec::new();
+    let (mut held_back, mut trails) = (Vec::new(), Vec::<Trail>::new());
     for place in BETWEEN {
         let velocity = (menu[place] * menu[place + 1]).sqrt();
         axis.say(Stage::Model, &format!("held back, {velocity:.2} rad/s"));
-        held_back.extend(blocks.measure(axis, &bench, Stage::Model, velocity)?);
+        if let Some((point, trail)) = blocks.measure(axis, &bench, Stage::Model, velocity)? {
+            held_back.push(point);
+            trails.extend(trail);
+        }
     }
-    choose(friction, held_back)
+    let chosen = choose(friction, held_back)?;
+    let structure = structure(&friction.trails, &trails, &chosen.curve, drive);
+    Ok(Chosen { structure: Some(structure), ..chosen })
 }
 
 fn choose(friction: &Friction, held_back: Vec<Point>) -> Result<Chosen, CommissionError> {
@@ -86,7 +95,7 @@ fn choose(friction: &Friction, held_back: Vec<Point>) -> Result<Chosen, Commissi
     } else {
         (CurveKind::CoulombViscous, straight)
     };
-    Ok(Chosen { kind, curve, errors, held_back })
+    Ok(Chosen { kind, curve, errors, held_back, structure: None })
 }
 
 #[cfg(test)]
@@ -123,6 +132,7 @@ mod tests {
             ending: Ending::Met,
             blocks: Vec::new(),
             points,
+            trails: Vec::new(),
             change: None,
             speeds: (0.02, 3.2),
             kept_from: None,

@@ -78,7 +78,8 @@ impl Tried {
 pub fn tried(bed: &Bed) -> Result<Vec<Tried>, CommissionError> {
     let mut all = Vec::new();
     let mut measure = None;
-    for arm in Arm::VARIANTS {
+    // In the simulation nothing hangs.
+    for arm in Arm::VARIANTS.iter().filter(|arm| **arm != Arm::Load) {
         let robust = robust(bed, *arm)?;
         // The arms have one loop: the first one's is that of all.
         measure.get_or_insert(robust);

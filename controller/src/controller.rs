@@ -60,6 +60,7 @@ impl Controller {
             });
         }
         options.inverse.check()?;
+        options.load.check()?;
         let dt = options.period;
         Ok(Self {
             velocity: VelocityController::new(options.velocity, dt)?,
@@ -152,7 +153,7 @@ impl Controller {
         let Last { reference, feedback, steady } = last;
         let limit = self.options.voltage_limit;
         let wanted = steady.clamp(-limit, limit)
-            - self.options.inverse.volts(&reference)
+            - self.fed_forward(&reference)
             - self.compensation(&feedback)
             - self.acceleration.as_ref().map_or(0.0, |a| a.output(feedback.velocity));
         let (error, seen) = self.error(&reference, &feedback);
@@ -189,6 +190,13 @@ impl Controller {
             ControlMode::Position => (reference.position, feedback.position),
         };
         (target - seen, seen)
+    }
+
+    /// What the reference asks for by itself, of the drive and of its load \[V\].
+    #[inline]
+    fn fed_forward(&self, reference: &Reference) -> f64 {
+        let Self { options, .. } = self;
+        options.inverse.volts(reference) + options.load.volts(options.mode, reference)
     }
 
     /// Compensating voltage \[V\].
@@ -230,7 +238,7 @@ impl Controller {
             ControlMode::Position => self.pid.output(error, seen),
         };
         let linear = law + self.bump.value();
-        let inverse = self.options.inverse.volts(reference);
+        let inverse = self.fed_forward(reference);
         let friction = self.compensation(feedback);
         let acceleration = self.acceleration.as_ref().map_or(0.0, |a| a.output(feedback.velocity));
         let dither = self.dither.as_ref().map_or(0.0, DitherGenerator::output);

@@ -16,6 +16,7 @@ mod guard;
 mod impulse;
 mod inverse;
 mod lag;
+mod load;
 #[cfg(feature = "msgs")]
 pub mod messages;
 #[cfg(feature = "ros")]
@@ -37,6 +38,7 @@ pub use guard::{Diagnosis, GuardOptions};
 pub use impulse::{Impulse, Knocker};
 pub use inverse::{PlantInverse, PlantInverseName};
 pub use lag::{LagCompensator, LagGains};
+pub use load::Load;
 pub use options::{Compensation, ControllerOptions};
 pub use parameters::ControllerParameters;
 pub use pi::{PiController, PiGains};

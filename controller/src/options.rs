@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    AccelerationFeedback, ControlMode, DerivativeOn, Dither, GuardOptions, Impulse, PidGains,
+    AccelerationFeedback, ControlMode, DerivativeOn, Dither, GuardOptions, Impulse, Load, PidGains,
     PlantInverse, VelocityLaw,
 };
 
@@ -49,6 +49,8 @@ pub struct ControllerOptions {
     pub resting_angle: f64,
     /// How much of the inverse of the drive is fed forward.
     pub inverse: PlantInverse,
+    /// What the place of the reference asks for, in the position mode.
+    pub load: Load,
     /// Friction compensation.
     pub compensation: Compensation,
     /// Feedback of the estimated acceleration.

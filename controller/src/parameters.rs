@@ -9,7 +9,7 @@ use friction_model::Motor;
 
 use crate::{
     AccelerationFeedback, Compensation, ControlMode, Controller, ControllerOptions, DerivativeOn,
-    Dither, DitherShape, GuardOptions, Impulse, LagGains, PiGains, PidGains, PlantInverse,
+    Dither, DitherShape, GuardOptions, Impulse, LagGains, Load, PiGains, PidGains, PlantInverse,
     PlantInverseName, VelocityLaw, VelocityLawName, design::LinearDrive,
 };
 
@@ -37,6 +37,7 @@ parameters! {
         inverse: PlantInverseName = PlantInverseName::Off,
             "How much of the drive's inverse is fed forward";
         drive: LinearDrive = LinearDrive::of(&Motor::SRV02);
+        load: Load = Load::NONE;
         compensation: bool = true, "Whether the friction estimate is compensated";
         compensation_scale: f64 = 1.0, "Fraction of the estimate that is compensated",
             range(ValueRange::Double(0.0, 2.0));
@@ -114,6 +115,7 @@ impl ControllerParameters {
                 PlantInverseName::Gain => PlantInverse::Gain(self.drive),
                 PlantInverseName::Whole => PlantInverse::Whole(self.drive),
             },
+            load: self.load,
             compensation: Compensation {
                 enabled: self.compensation,
                 volts_per_newton_metre: self.volts_per_newton_metre,
@@ -152,6 +154,7 @@ impl ControllerParameters {
             resting_angle: options.resting_angle,
             inverse: options.inverse.into(),
             drive,
+            load: options.load,
             compensation: options.compensation.enabled,
             compensation_scale: options.compensation.scale,
             volts_per_newton_metre: options.compensation.volts_per_newton_metre,

@@ -10,6 +10,7 @@ use rig_driver::Measurement;
 use rig_setup::REST;
 use serde::{Deserialize, Serialize};
 
+use super::trail::Trail;
 use crate::axis::{Axis, Bench};
 use crate::reach::Reach;
 use crate::{CommissionError, Stage};
@@ -57,6 +58,9 @@ pub struct Point {
     pub time: f64,
 }
 
+/// What a block says: of its speed, and of its places where they could be told.
+pub type Measured = (Point, Option<Trail>);
+
 /// How blocks are measured on a rig.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blocks {
@@ -68,6 +72,10 @@ pub struct Blocks {
     pub friction: f64,
     /// Voltage that an acceleration takes \[V s^2/rad\].
     pub inertia: f64,
+    /// Gain of the drive [rad/(V s)].
+    pub gain: f64,
+    /// Its delay \[s\].
+    pub delay: f64,
     /// Angle of one count \[rad\].
     pub encoder_step: f64,
     /// Where the shaft may be, where its travel has ends.
@@ -109,7 +117,7 @@ impl Blocks {
         bench: &Bench,
         stage: Stage,
         velocity: f64,
-    ) -> Result<Option<Point>, CommissionError> {
+    ) -> Result<Option<Measured>, CommissionError> {
         let half = self.half(velocity);
         let reference = |time: f64| self.reference(velocity, time);
         // The way out goes upwards.
@@ -122,7 +130,12 @@ impl Blocks {
         };
         let seen = axis.follow(bench, stage, 2.0 * half, self.controller, reference, friction)?;
         let time = axis.used();
-        Ok(self.point(&seen, velocity, bench.period()).map(|point| Point { time, ..point }))
+        let Some(point) = self.point(&seen, velocity, bench.period()) else { return Ok(None) };
+        let lasts = WINDOWS as f64 * WINDOW;
+        let begins = (self.settle(velocity), 2.0 * half - self.settle(velocity) - lasts);
+        let told = (velocity, bench.origin(), bench.period());
+        let trail = self.trail(&seen, told, (begins, lasts));
+        Ok(Some((Point { time, ..point }, trail)))
     }
 
     /// The way out, and the same back: the speed is reached and left steadily.
@@ -223,6 +236,8 @@ mod tests {
             natural_frequency: 20.0,
             friction: 0.0,
             inertia: 0.02,
+            gain: 1.0,
+            delay: 0.0,
             encoder_step: 1e-3,
             reach: None,
         }

@@ -11,14 +11,18 @@ mod curve;
 mod drift;
 mod menu;
 mod spread;
+mod trail;
 pub mod wanted;
 
 use controller::PlantInverse;
 use controller::design::LinearDrive;
 use serde::{Deserialize, Serialize};
 
-pub use block::{Blocks, Point};
+pub use block::{Blocks, Measured, Point};
 pub use curve::Curve;
+pub use trail::Trail;
+pub(crate) use trail::{PARTS, Part};
+
 pub(crate) use menu::between;
 
 use self::menu::{MENU, by_limits, menu, narrowed, rarest, varied};
@@ -75,6 +79,9 @@ pub struct Friction {
     pub blocks: Vec<f64>,
     /// What was measured, as it would be at the end of the stage.
     pub points: Vec<Point>,
+    /// What the blocks said of their places.
+    #[serde(default)]
+    pub trails: Vec<Trail>,
     /// Relative change of the friction during the stage; none where none is clear.
     pub change: Option<f64>,
     /// The slowest and the fastest speed that the shaft follows steadily [rad/s].
@@ -94,6 +101,9 @@ pub struct Underway {
     pub blocks: Vec<f64>,
     /// What they measured.
     pub points: Vec<Point>,
+    /// What they said of their places.
+    #[serde(default)]
+    pub trails: Vec<Trail>,
     /// Speeds that the shaft did not follow steadily [rad/s].
     #[serde(default)]
     pub failed: Vec<f64>,
@@ -130,6 +140,8 @@ pub fn blocks(
         natural_frequency: design.natural_frequency,
         friction: KINETIC * met.deadband,
         inertia: plant.drive.time_constant / plant.drive.gain,
+        gain: plant.drive.gain,
+        delay: plant.delay,
         encoder_step: plant.encoder_step,
         reach,
     }
@@ -193,10 +205,12 @@ pub fn friction(
         axis.say(Stage::Friction, &said(underway.blocks.len() + 1, next, curve.as_ref()));
         let next = varied(next, underway.blocks.len());
         match measured.measure(axis, &bench, Stage::Friction, next)? {
-            Some(point) => {
+            Some((point, trail)) => {
                 if point.uneven > UNEVEN && point.velocity < SLOW * whole[MENU - 1] {
                     underway.failed.push(next);
                 }
+                // What is uneven says nothing of its places either.
+                underway.trails.extend(trail.filter(|_| point.uneven <= UNEVEN));
                 underway.points.push(point);
             }
             None => underway.failed.push(next),
@@ -212,10 +226,10 @@ pub fn friction(
         None => fitted(&underway.points, able)?,
     };
     let menu = narrowed(&whole, &underway);
-    let Underway { blocks, points, .. } = underway;
+    let Underway { blocks, points, trails, .. } = underway;
     let drift::Drift { points, change } = drift::now(&even(&points));
     let speeds = (menu[0], menu[MENU - 1]);
-    Ok(Friction { curve, ending, blocks, points, change, speeds, kept_from, followed_by })
+    Ok(Friction { curve, ending, blocks, points, trails, change, speeds, kept_from, followed_by })
 }
 
 /// The curve of what was measured, as it is now, of a rig that can turn as fast as `able` [rad/s].

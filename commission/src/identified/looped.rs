@@ -115,6 +115,26 @@ impl Looped {
         Cycle { error: reference.position - position, volts: self.volts }
     }
 
+    /// The highest speed of `task` from rest until `until` \[s\] [rad/s].
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    pub fn fastest(
+        identified: &Identified,
+        settings: &Settings,
+        task: Waveform,
+        until: f64,
+    ) -> Result<f64, CommissionError> {
+        let mut looped = Self::new(identified, settings, 0.0)?;
+        let mut fastest: f64 = 0.0;
+        while looped.time() < until {
+            let now = looped.time();
+            looped.step(&task.at(now));
+            fastest = fastest.max(looped.shaft.velocity().abs());
+        }
+        Ok(fastest)
+    }
+
     /// Does `task` from rest: the cycles from `from` seconds to `until`.
     ///
     /// # Errors

@@ -88,6 +88,12 @@ impl Shaft {
         self.position
     }
 
+    /// How fast it is [rad/s].
+    #[must_use]
+    pub const fn velocity(&self) -> f64 {
+        self.velocity
+    }
+
     /// One cycle under `volts`, told now.
     pub fn step(&mut self, volts: f64) {
         self.given.copy_within(0..=LONGEST, 1);

@@ -11,7 +11,8 @@ use serde::Serialize;
 use work::progress::Progress;
 
 use super::finish::{Finish, finish};
-use super::truth::{Truth, truth};
+use super::told::{Told, told};
+use super::truth::{Truth, load, truth};
 use crate::axis::{Axis, Known};
 use crate::bed::{Arm, Bed, amplitude};
 use crate::friction::Curve;
@@ -20,6 +21,7 @@ use crate::hand_over::Found;
 use crate::loop_design::{Plant, QUICK, design};
 use crate::protocols::steps::{Fixed, steps};
 use crate::run::identity;
+use crate::travel::{ANGLE, TravelAsked};
 use crate::{Asked, CommissionError, Dossier, Stage};
 
 /// A parameter that was found, beside the truth.
@@ -48,6 +50,8 @@ pub struct Commissioned {
     pub ending: crate::friction::Ending,
     /// Parameters that have intervals.
     pub held: Vec<Held>,
+    /// What was told of the structure.
+    pub told: Vec<Told>,
     /// What the hand-over does on the task; none where the safety layer stopped it.
     pub handed_over: Option<Finish>,
     /// What whoever knows the plant does there, likewise.
@@ -83,7 +87,8 @@ pub struct Case {
     pub refused: Option<(Stage, String)>,
     /// The farthest that it was driven.
     pub peaks: Peaks,
-    /// Voltage and speed that were allowed.
+    /// Voltage and speed that were allowed; the speed as the shaft has it where the encoder tells
+    /// what was allowed.
     pub limits: (f64, f64),
     /// Speed up to which a stop may be met [rad/s].
     pub creeping: f64,
@@ -91,6 +96,8 @@ pub struct Case {
 
 /// What creeps, as a share of the speed that the whole voltage gives.
 const CREEPING: f64 = 0.01;
+/// The same where ends are looked for: a hundredth of the energy.
+const GENTLE: f64 = 0.1;
 /// The most by which a shaft may run past its speed limit before the safety layer has it: what a
 /// cycle of full voltage adds, and noise.
 const PAST: f64 = 1.1;
@@ -123,11 +130,11 @@ pub fn case(
         .map_err(|error| CommissionError::Asked(format!("{error}")))?;
     // The user's file has the limits that the maker of the machine gives.
     let setup = RigSetup { limits: machine.limits, ..RigSetup::default() };
-    let asked = Asked { rig, setup, wanted: wanted.clone(), travel: None, allowed };
-    let limits = (
-        machine.limits.voltage.unwrap_or(machine.voltage_range),
-        machine.limits.velocity.unwrap_or(f64::INFINITY),
-    );
+    // Ends that its user does not know are looked for, and touched.
+    let sought = machine.stops.is_some() && machine.limits.travel.is_none();
+    let travel = sought.then_some(TravelAsked::Find(ANGLE));
+    let asked = Asked { rig, setup, wanted: wanted.clone(), travel, allowed };
+    let limits = allowed_of(machine);
     let mut case = Case {
         name: machine.name.clone(),
         friction: machine.friction.name().to_string(),
@@ -135,7 +142,9 @@ pub fn case(
         refused: None,
         peaks: Peaks::default(),
         limits,
-        creeping: CREEPING * machine.motor.gain() * machine.voltage_range,
+        creeping: if sought { GENTLE } else { CREEPING }
+            * machine.motor.gain()
+            * machine.voltage_range,
     };
     let known = match crate::run::look(&asked) {
         Ok(known) => known,
@@ -165,6 +174,16 @@ pub fn case(
     Ok(case)
 }
 
+/// Voltage and speed that its user allows. A speed limit is of what the encoder tells: where its
+/// counts are wrong in the user's file, and no other sensor tells the speed, nobody could know
+/// better.
+fn allowed_of(machine: &Machine) -> (f64, f64) {
+    (
+        machine.limits.voltage.unwrap_or(machine.voltage_range),
+        machine.limits.velocity.unwrap_or(f64::INFINITY) / machine.position_scale,
+    )
+}
+
 fn judge(
     machine: &Machine,
     (asked, known): (&Asked, &Known),
@@ -175,9 +194,12 @@ fn judge(
     let (early, late) = (truth(machine, 0.0), truth(machine, found.seconds));
     let held_by = |curve: &Curve, late: &Truth| held(curve, &early, late);
     let held = held_by(&found.chosen.curve, &late);
+    let structure = found.chosen.structure.as_ref();
+    let told = structure.map_or_else(Vec::new, |found| told(machine, &late, found));
     let progress = Progress::new(1.0, true);
     let allowed = f64::INFINITY;
     let mut axis = Axis::new(&asked.rig, asked.setup, Arc::clone(stop), &progress, (allowed, 0.0));
+    let known = &found.met.known(known);
     axis.stay_within(known.travel);
     axis.calibrate(found.met.calibration);
     if !(found.met.tachometer && found.met.torque) {
@@ -185,6 +207,7 @@ fn judge(
     }
     let bed = Bed::of(known, &found.drive, (&found.friction, &found.chosen), found.control.design)?
         .resting(found.control.resting_angle)
+        .leveled(found.proof.level)
         .feeding_back(found.control.fed_back);
     let arm = found.control.arm;
     let handed_over = stopped(finish(&mut axis, &bed, arm))?;
@@ -212,6 +235,7 @@ fn judge(
         arm: found.control.arm,
         ending: found.friction.ending,
         held,
+        told,
         handed_over,
         oracle,
         protocol,
@@ -280,8 +304,9 @@ fn oracle(
         voltage_limit: known.voltage,
     };
     let design = design(&plant, QUICK, Stage::Control)?;
-    let bed = Bed::new(plant, design, (truth.f_s, truth.f_c), (truth.v_s, truth.delta), amplitude)?;
-    let arms = [Arm::Linear, Arm::Reference, Arm::Friction];
+    let bed = Bed::new(plant, design, (truth.f_s, truth.f_c), (truth.v_s, truth.delta), amplitude)?
+        .carrying(load(machine));
+    let arms = bed.arms();
     let mut best: Option<Finish> = None;
     for arm in arms {
         let tried = finish(axis, &bed, arm)?;
@@ -290,4 +315,21 @@ fn oracle(
         }
     }
     best.ok_or_else(|| CommissionError::Asked("there are no arms".to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use machine_rig::random;
+
+    use super::*;
+
+    /// Machine 7111 has an encoder whose counts are wrong in the user's file, and no tachometer.
+    #[test]
+    fn a_speed_limit_is_of_what_the_encoder_tells() {
+        let machine = random::machine(7111);
+        assert!(machine.position_scale < 0.3 && !machine.sensed.tachometer);
+        let limits = allowed_of(&machine);
+        let told = limits.1 * machine.position_scale;
+        assert!((told - machine.limits.velocity.unwrap()).abs() < 1e-9, "{limits:?}");
+    }
 }

@@ -4,6 +4,7 @@
 mod case;
 mod finish;
 mod table;
+mod told;
 mod truth;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -20,6 +21,7 @@ use work::progress::Progress;
 pub use case::{Case, Commissioned, Held, Protocol, case};
 pub use finish::Finish;
 pub use table::{Table, table};
+pub use told::{Part, PartTable, Told, Verdict};
 
 use crate::friction::wanted::Wanted;
 use crate::{CommissionError, Stage};

@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
+use super::told::{PartTable, parts};
 use super::{Case, Commissioned, Held, Protocol};
 use crate::friction::wanted::CurveParameter;
 
@@ -25,6 +26,8 @@ pub struct Table {
     pub broken: usize,
     /// Machines that hunt after the hand-over, and those that do under whoever knows the plant.
     pub hunting: (usize, usize),
+    /// What was told of the structure.
+    pub parts: Vec<PartTable>,
     /// What ended the others: machine, stage, words.
     pub refused: Vec<(String, String, String)>,
     /// The fixed protocol and the commission on the machines that were driven by both.
@@ -117,6 +120,7 @@ pub fn table(cases: &[Case]) -> Table {
             done.iter().filter(|case| hunts(case.handed_over.as_ref())).count(),
             done.iter().filter(|case| hunts(case.oracle.as_ref())).count(),
         ),
+        parts: parts(done.iter().flat_map(|case| &case.told)),
         refused: cases.iter().filter_map(refused).collect(),
         beside: beside(&done),
     }
@@ -162,6 +166,9 @@ impl fmt::Display for Table {
         writeln!(f, "error over oracle, 95th     {:.2}", self.error.1)?;
         writeln!(f, "limits broken               {}", self.broken)?;
         writeln!(f, "hunting, and the oracle     {}, {}", self.hunting.0, self.hunting.1)?;
+        for part in &self.parts {
+            writeln!(f, "{part}")?;
+        }
         if let Some(beside) = &self.beside {
             write!(f, "{beside}")?;
         }

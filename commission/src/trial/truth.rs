@@ -1,5 +1,6 @@
 //! What a commission of a machine should find, in the units in which the machine tells itself.
 
+use controller::Load;
 use friction_model::AnyModel;
 use machine_rig::{Machine, Warming};
 
@@ -58,6 +59,37 @@ pub(super) fn truth(machine: &Machine, time: f64) -> Truth {
         time_constant: motor.time_constant() * inertia * motor.back_emf() / (told * slope),
         dips: follows(friction, f_c, fastest, formula).then_some(dip.is_some()),
     }
+}
+
+/// The load that depends on the place, in volts over told places, as the calibrated readings count
+/// it; none where none is there.
+pub(super) fn load(machine: &Machine) -> Option<Load> {
+    let forces = &machine.forces;
+    if forces.gravity.is_none() && forces.spring.is_none() {
+        return None;
+    }
+    // A sine over told places is one only where these are the true ones.
+    if forces.gravity.is_some() && (machine.position_scale - 1.0).abs() > 1e-9 {
+        return None;
+    }
+    let volts = machine.motor.volts_per_newton_metre();
+    let (gravity, spring) = (forces.gravity, forces.spring);
+    let (torque, angle) = gravity.map_or((0.0, 0.0), |g| (volts * g.torque, g.angle));
+    let (stiffness, rest) = spring.map_or((0.0, 0.0), |s| (volts * s.stiffness, s.rest));
+    // A reversed motor turns places and voltages round.
+    let turned = turned(machine);
+    Some(Load {
+        offset: -turned * stiffness * rest,
+        sine: torque * angle.cos(),
+        cosine: -turned * torque * angle.sin(),
+        slope: stiffness / machine.position_scale,
+    })
+}
+
+/// One, or minus one where what is called forwards is backwards.
+pub(super) fn turned(machine: &Machine) -> f64 {
+    let reversed = machine.wiring.iter().flat_map(|w| w.split(',')).any(|m| m == "motor");
+    if reversed { -1.0 } else { 1.0 }
 }
 
 /// Whether the model's curve is that formula up to the fastest speed.

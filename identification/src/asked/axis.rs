@@ -112,6 +112,9 @@ impl Found {
             let stopped = "stopped before any structure was compared; nothing was written";
             return Err(Interrupted(stopped.to_owned()).into());
         }
+        if let Some(structured) = &found {
+            self.found.warnings.splice(0..0, structured.warnings.iter().cloned());
+        }
         self.structured = found;
         Ok(())
     }
