@@ -130,13 +130,16 @@ impl Kind {
         }
     }
 
-    /// Whether each part of it is clear of nothing; a spring pulls back, over a part of a turn alone it
-    /// may be a load that hangs upwards.
-    fn is_clear(self, fitted: &Fitted, covered: f64) -> bool {
+    /// Whether each part of it is clear of nothing and large enough to matter beside `friction` \[V\];
+    /// a spring pulls back, over a part of a turn alone it may be a load that hangs upwards.
+    fn is_clear(self, fitted: &Fitted, covered: f64, friction: f64) -> bool {
+        let least = MATTERS * friction;
         let (gravity, spring) = self.sizes(fitted);
-        gravity.is_none_or(|(size, half)| size > half)
-            && spring
-                .is_none_or(|(size, half)| size > half || (covered < BENDS && size.abs() > half))
+        gravity.is_none_or(|(size, half)| size > half.max(least))
+            && spring.is_none_or(|(stiffness, half)| {
+                let size = if covered < BENDS { stiffness.abs() } else { stiffness };
+                size * covered > (half * covered).max(least)
+            })
     }
 }
 
@@ -182,7 +185,7 @@ pub fn structure(trails: &[Trail], held_back: &[Trail], curve: &Curve, drive: &D
     for (kind, fitted) in &fitted {
         let now = missed(fitted);
         let better = kept.is_empty() || now < (1.0 - CLEARLY).powi(2) * chosen.2;
-        if better && kind.is_clear(fitted, covered) {
+        if better && kind.is_clear(fitted, covered, friction) {
             chosen = (*kind, fitted.clone(), now);
         }
     }

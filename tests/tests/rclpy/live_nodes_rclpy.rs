@@ -10,6 +10,9 @@ use serde_json::{Value, json};
 use tests::network::Place;
 use tests::python;
 
+/// Time in which a program that is asked to end has ended, on a busy machine too \[s\].
+const SOON: f64 = 30.0;
+
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or(f64::NAN)
 }
@@ -123,7 +126,7 @@ fn one_process_offers_what_the_executables_offer_and_its_loop_obeys() {
     assert!((number(&report["velocity"]) + 1.5).abs() < 0.35, "{}", report["velocity"]);
     assert!(number(&report["reference_gone"][1]) < 0.05, "{}", report["reference_gone"]);
     for exit in ["own_exit", "ros_exit"] {
-        assert!(report[exit][0] == 0 && number(&report[exit][1]) < 2.0, "{}", report[exit]);
+        assert!(report[exit][0] == 0 && number(&report[exit][1]) < SOON, "{}", report[exit]);
     }
     check_bags(folder.path());
 }
@@ -143,7 +146,7 @@ fn two_processes_are_two_axes_of_one_domain() {
     assert_eq!((&report["stop"][0], &report["stands"]), (&json!(true), &json!(true)), "{report}");
     assert_eq!(report["other_goes_on"], true, "{report}");
     for exit in report["exits"].as_array().expect("exits") {
-        assert!(exit[0] == 0 && number(&exit[1]) < 2.0, "{exit}");
+        assert!(exit[0] == 0 && number(&exit[1]) < SOON, "{exit}");
     }
 }
 
