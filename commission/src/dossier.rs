@@ -6,17 +6,21 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use files::{OutputError, input, write_all};
+use rig_driver::safety::Travel;
 use rig_setup::{RigDescription, RigLimits};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::friction::Underway;
-use crate::{CommissionError, Stage};
+use crate::{CommissionError, Stage, travel};
 
 /// File that says whose folder it is.
 const IDENTITY: &str = "rig.json";
 /// File that keeps the blocks of a friction stage that goes on.
 const UNDERWAY: &str = "friction-blocks.json";
+
+/// File that keeps the travel, by the rig's own count.
+const TRAVEL: &str = "travel.json";
 
 /// Whose folder it is.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -131,6 +135,25 @@ impl Dossier {
         self.write(UNDERWAY, &Kept { stage: Stage::Friction, seconds, found: blocks })
     }
 
+    /// The travel that is kept.
+    ///
+    /// # Errors
+    /// As for [`found`](Self::found).
+    pub fn travel(&self) -> Result<Option<travel::Kept>, CommissionError> {
+        self.read(TRAVEL)
+    }
+
+    /// Keeps a travel, counted now, in the place of the one before; none where it has no ends.
+    ///
+    /// # Errors
+    /// [`CommissionError::Output`].
+    pub fn keep_travel(&self, travel: Option<Travel>) -> Result<(), CommissionError> {
+        match travel {
+            Some(travel) => self.write(TRAVEL, &travel::Kept::now(travel)),
+            None => self.forget(TRAVEL),
+        }
+    }
+
     /// Which stages are done, in order, up to the first that is not.
     #[must_use]
     pub fn done(&self) -> Vec<Stage> {
@@ -156,16 +179,17 @@ impl Dossier {
         // The last first: what is left is a commission at any moment.
         let files = Stage::ALL.iter().rev().filter(|later| **later >= stage).map(|s| s.file());
         let blocks = (stage <= Stage::Friction).then_some(UNDERWAY);
-        for file in files.chain(blocks) {
-            let path = self.folder.join(file);
-            match fs::remove_file(&path) {
-                Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-                    return Err(OutputError::Write { path, source }.into());
-                }
-                _ => {}
+        files.chain(blocks).try_for_each(|file| self.forget(file))
+    }
+
+    fn forget(&self, name: &str) -> Result<(), CommissionError> {
+        let path = self.folder.join(name);
+        match fs::remove_file(&path) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+                Err(OutputError::Write { path, source }.into())
             }
+            _ => Ok(()),
         }
-        Ok(())
     }
 
     fn write(&self, name: &str, content: &impl Serialize) -> Result<(), CommissionError> {

@@ -103,6 +103,17 @@ impl CommissionError {
         }
     }
 
+    /// Whether the device holds the motor at zero volts until somebody clears that.
+    #[must_use]
+    pub const fn is_held(&self) -> bool {
+        match self {
+            Self::Rig(RigSetupError::Rig(error)) | Self::Loop(TestBedError::Rig(error)) => {
+                error.is_held()
+            }
+            _ => false,
+        }
+    }
+
     /// Whether the user stopped it.
     #[must_use]
     pub const fn is_stopped(&self) -> bool {

@@ -85,7 +85,12 @@ mod tests {
             let (place, velocity) = (0.01 * f64::from(k)).sin_cos();
             let friction = 0.5 * velocity.signum();
             let scatter = 1e-3 * (f64::from(k) * 2.4).sin();
-            Fed { place, velocity, friction, added: missing * friction + 0.03 + 0.2 * place + scatter }
+            Fed {
+                place,
+                velocity,
+                friction,
+                added: missing * friction + 0.03 + 0.2 * place + scatter,
+            }
         };
         (0..1257).map(cycle).collect()
     }

@@ -13,6 +13,7 @@ pub mod bed;
 pub mod control;
 pub mod dossier;
 pub mod drive;
+pub mod ends;
 mod error;
 pub mod feedback;
 pub mod friction;
@@ -32,6 +33,7 @@ pub mod reach;
 pub mod run;
 mod stage;
 pub mod structure;
+pub mod travel;
 pub mod trial;
 pub mod velocity_design;
 

@@ -4,10 +4,13 @@
 //! ramps of voltage from zero until the encoder moves, then steady voltages above that.
 
 use rig_driver::Calibration;
+use rig_driver::safety::Travel;
 use rig_setup::{Level, Procedure, RigDescription, Room, run_procedure};
 use serde::{Deserialize, Serialize};
 
 use crate::axis::{Axis, Known};
+use crate::ends::{self, Sought};
+use crate::travel::TravelAsked;
 use crate::{CommissionError, Stage};
 
 /// Time in which a ramp would reach the voltage limit \[s\].
@@ -46,13 +49,39 @@ pub struct Met {
     pub tachometer_noise: f64,
     /// What was not as expected and is put right.
     pub corrected: Vec<String>,
+    /// The ends of the travel, where they were looked for.
+    #[serde(default)]
+    pub sought: Option<Sought>,
 }
 
-/// Does the stage.
+impl Met {
+    /// What is known of a rig, and the travel that was found for it.
+    #[must_use]
+    pub fn known(&self, known: &Known) -> Known {
+        let travel = known.travel.or(self.sought.and_then(|sought| sought.travel));
+        Known { travel, ..known.clone() }
+    }
+}
+
+/// Does the stage; a travel that was to be found is told to `keep` before anything faster is driven.
 ///
 /// # Errors
 /// [`CommissionError`] if the rig refuses, does not move, or shows what no wiring explains.
-pub fn meet(axis: &mut Axis<'_>, known: &Known) -> Result<Met, CommissionError> {
+pub fn meet(
+    axis: &mut Axis<'_>,
+    known: &Known,
+    asked: Option<TravelAsked>,
+    keep: impl FnOnce(Option<Travel>) -> Result<(), CommissionError>,
+) -> Result<Met, CommissionError> {
+    let sought = match asked {
+        Some(TravelAsked::Find(angle)) => Some(ends::find(axis, known, angle)?),
+        Some(TravelAsked::Around(..)) | None => None,
+    };
+    if let Some(sought) = &sought {
+        axis.tell(&format!("travel: {sought}"));
+        keep(sought.travel)?;
+        axis.stay_within(sought.travel);
+    }
     axis.reserve(Stage::Meet, SECONDS)?;
     let volts = SHARE * known.voltage;
     let procedure = Procedure {
@@ -99,6 +128,7 @@ pub fn meet(axis: &mut Axis<'_>, known: &Known) -> Result<Met, CommissionError> 
         slope,
         tachometer_noise: found.tachometer_residual,
         corrected,
+        sought,
     })
 }
 

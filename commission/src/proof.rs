@@ -175,9 +175,8 @@ fn moves(
     };
     let (steps, small, left) = (both(|h| h.step), both(|h| h.small), both(|h| h.missed));
     let hunted = |of: fn(&(Held, Held)) -> usize| pairs.iter().map(of).sum::<usize>();
-    let mean = |of: fn(&(f64, f64)) -> f64| {
-        root_mean_square(&left.iter().map(of).collect::<Vec<f64>>())
-    };
+    let mean =
+        |of: fn(&(f64, f64)) -> f64| root_mean_square(&left.iter().map(of).collect::<Vec<f64>>());
     let is_compared = arm != Arm::Linear;
     Ok(Some(Moves {
         sizes,

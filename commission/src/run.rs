@@ -19,10 +19,14 @@ use crate::hand_over::{self, Found};
 use crate::meet::{self, Met};
 use crate::model::{self, Chosen};
 use crate::proof::{self, Proof};
+use crate::travel::{Kept, TravelAsked};
 use crate::{CommissionError, Dossier, Stage};
 
 /// Rig time that is left for pauses, in which a warm motor rests \[s\].
 const SPARE: f64 = 15.0;
+
+/// Rig time of the stage model, about \[s\].
+const MODEL: f64 = 45.0;
 
 /// What is asked of a commission.
 #[derive(Debug, Clone)]
@@ -33,9 +37,9 @@ pub struct Asked {
     pub setup: RigSetup,
     /// How well the friction is to be known.
     pub wanted: Wanted,
-    /// Where the shaft may be, from where it stands when the command begins \[rad\]; none for the
-    /// travel of the rig's profile, which is by its own count.
-    pub travel: Option<(f64, f64)>,
+    /// Where the shaft may be; none for the travel that the folder keeps, else that of the rig's
+    /// profile, which is by its own count.
+    pub travel: Option<TravelAsked>,
     /// Rig time that may be used, that of before included \[s\].
     pub allowed: f64,
 }
@@ -55,8 +59,36 @@ pub struct Outcome {
 /// [`CommissionError`] for a rig that is not there, limits that contradict each other, or a rig
 /// that this command does not drive.
 pub fn look(asked: &Asked) -> Result<Known, CommissionError> {
+    seen(asked, None)
+}
+
+/// The same for a commission that goes on: unless another travel is asked for, the one that its
+/// folder keeps holds.
+///
+/// # Errors
+/// As for [`look`], and where that travel was counted from a place that nobody knows any more.
+pub fn look_again(asked: &Asked, dossier: &Dossier) -> Result<Known, CommissionError> {
+    let again = match asked.travel {
+        Some(TravelAsked::Around(..)) => None,
+        Some(TravelAsked::Find(_)) if !dossier.done().contains(&Stage::Meet) => None,
+        Some(TravelAsked::Find(_)) | None => dossier.travel()?,
+    };
+    seen(asked, again)
+}
+
+/// Clears what is latched in the device: its emergency stop, or a fault of it. Nothing moves.
+///
+/// # Errors
+/// [`CommissionError::Rig`] where its cause is still there.
+pub fn clear(asked: &Asked) -> Result<(), CommissionError> {
     let progress = Progress::new(1.0, true);
-    Axis::new(&asked.rig, asked.setup, Arc::default(), &progress, (0.0, 0.0)).look(asked.travel)
+    Axis::new(&asked.rig, asked.setup, Arc::default(), &progress, (0.0, 0.0)).clear()
+}
+
+fn seen(asked: &Asked, kept: Option<Kept>) -> Result<Known, CommissionError> {
+    let progress = Progress::new(1.0, true);
+    let axis = Axis::new(&asked.rig, asked.setup, Arc::default(), &progress, (0.0, 0.0));
+    axis.look(asked.travel, kept)
 }
 
 /// Does the stages that the folder does not have yet, and keeps each.
@@ -75,8 +107,15 @@ pub fn run(
         Axis::new(&asked.rig, asked.setup, Arc::clone(stop), progress, (asked.allowed, used));
     axis.drive_only(known.description.clone());
     axis.stay_within(known.travel);
+    if let Some(TravelAsked::Around(..)) = asked.travel {
+        dossier.keep_travel(known.travel)?;
+    }
 
-    let met: Met = stage(dossier, Stage::Meet, &mut axis, |axis| meet::meet(axis, known))?;
+    let met: Met = stage(dossier, Stage::Meet, &mut axis, |axis| {
+        meet::meet(axis, known, asked.travel, |travel| dossier.keep_travel(travel))
+    })?;
+    let known = &met.known(known);
+    axis.stay_within(known.travel);
     axis.calibrate(met.calibration);
     if !(met.tachometer && met.torque) {
         axis.trust_the_encoder_alone();
@@ -92,8 +131,12 @@ pub fn run(
             dossier.keep_underway(blocks, used - begun)
         })
     })?;
+    // What is left is known by now.
+    let last = control::seconds_needed() + proof::seconds_needed() + SPARE;
+    axis.expect(MODEL + last);
     let chosen: Chosen =
         stage(dossier, Stage::Model, &mut axis, |axis| model::model(axis, parts, &friction))?;
+    axis.expect(last);
     let control: Control = stage(dossier, Stage::Control, &mut axis, |axis| {
         control::control(axis, parts, (&friction, &chosen), proof::seconds_needed())
     })?;
@@ -101,6 +144,7 @@ pub fn run(
         .resting(control.resting_angle)
         .leveled(control.level)
         .feeding_back(control.fed_back);
+    axis.expect(proof::seconds_needed());
     let proof: Proof =
         stage(dossier, Stage::Proof, &mut axis, |axis| proof::proof(axis, &bed, control.arm))?;
     let bed = bed.leveled(proof.level);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use commission::friction::wanted::Wanted;
 use commission::hand_over::summary;
+use commission::travel::TravelAsked;
 use commission::{Asked, CommissionError, Dossier, Outcome, run};
 use machine_rig::{Machine, MachineFactory, Stops, peaks, random};
 use rig_driver::RigRegistry;
@@ -21,7 +22,7 @@ fn ended(seed: u64) -> Machine {
 
 fn commissioned(
     machine: &Machine,
-    travel: (f64, f64),
+    travel: TravelAsked,
     folder: &Path,
 ) -> (Result<Outcome, CommissionError>, String) {
     let file = folder.join("machine.json");
@@ -47,7 +48,8 @@ fn a_shaft_with_ends_never_meets_one() {
     let mut commissioned_some = false;
     for seed in [3, 4] {
         let folder = tempfile::tempdir().unwrap();
-        let (outcome, place) = commissioned(&ended(seed), (-1.1, 2.0), folder.path());
+        let (outcome, place) =
+            commissioned(&ended(seed), TravelAsked::Around(-1.1, 2.0), folder.path());
         let peaks = peaks(&place).unwrap();
         assert_eq!(peaks.hit, 0.0, "{seed}: {peaks:?}");
         match outcome {
@@ -71,7 +73,7 @@ fn what_a_short_travel_keeps_from_being_seen_is_not_said_to_be_absent() {
     let folder = tempfile::tempdir().unwrap();
     let setup = RigSetup::default();
     let wanted = Wanted::default();
-    let travel = Some((-0.6, 0.8));
+    let travel = Some(TravelAsked::Around(-0.6, 0.8));
     let asked = Asked { rig: RigChoice::Simulated, setup, wanted, travel, allowed: 600.0 };
     let known = run::look(&asked).unwrap();
     let dossier =
@@ -93,7 +95,7 @@ fn what_a_short_travel_keeps_from_being_seen_is_not_said_to_be_absent() {
 fn a_travel_that_is_too_small_is_refused_with_what_is_needed_and_nothing_moves() {
     let _ = RigRegistry::standard().with(MachineFactory).install();
     let folder = tempfile::tempdir().unwrap();
-    let (outcome, place) = commissioned(&ended(3), (-0.1, 0.1), folder.path());
+    let (outcome, place) = commissioned(&ended(3), TravelAsked::Around(-0.1, 0.1), folder.path());
     let error = outcome.unwrap_err();
     assert!(error.is_bad_input() && error.to_string().contains("0.5 rad"), "{error}");
     assert_eq!(peaks(&place).unwrap().voltage, 0.0);

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use commission::travel::TravelAsked;
 use commission::{Asked, CommissionError, Dossier, Outcome, Stage, run};
 use rig_driver::back_end::{BackEnd, Listed, Place};
 use rig_driver::registry::RigDescription;
@@ -37,6 +38,8 @@ struct Fate {
     /// After so many voltages the user presses ctrl-C, at the loss of the line.
     stopped_after: Option<u64>,
     lost: bool,
+    /// How long the device says that it has run.
+    powered: Option<f64>,
 }
 
 impl Fate {
@@ -50,6 +53,7 @@ impl Fate {
         pressed_after: None,
         stopped_after: None,
         lost: false,
+        powered: None,
     };
 }
 
@@ -85,6 +89,10 @@ impl Rig for Lined {
     fn held_by(&self) -> Option<RigError> {
         let pressed = fate(|fate| fate.pressed_after.is_some_and(|after| fate.applied >= after));
         pressed.then(|| RigError::Elsewhere("the emergency stop was pressed".to_owned()))
+    }
+
+    fn powered_for(&self) -> Option<f64> {
+        fate(|fate| fate.powered)
     }
 
     fn apply(&mut self, volts: f64) -> Result<(), RigError> {
@@ -173,12 +181,21 @@ impl RigFactory for LinedFactory {
 
 /// A commission into `folder`, from where it is, of a rig that meets `with`.
 fn commissioned(folder: &Path, with: Fate) -> (Result<Outcome, CommissionError>, Dossier) {
+    within(folder, with, None)
+}
+
+/// The same within a travel.
+fn within(
+    folder: &Path,
+    with: Fate,
+    travel: Option<TravelAsked>,
+) -> (Result<Outcome, CommissionError>, Dossier) {
     let rig: RigChoice = "lined".parse().unwrap();
     let asked = Asked {
         rig,
         setup: RigSetup::default(),
         wanted: commission::friction::wanted::Wanted::default(),
-        travel: None,
+        travel,
         allowed: 3600.0,
     };
     fate(|fate| *fate = Fate::NONE);
@@ -248,4 +265,28 @@ fn a_lost_line_costs_the_block_at_hand_and_a_few_times_only() {
     // The line is mended: it goes on where it was.
     let (outcome, _) = commissioned(&begun, Fate::NONE);
     outcome.unwrap();
+
+    // A limited travel goes on where the device says that it has run on, and not where it has not.
+    let limited = Some(TravelAsked::Around(-3.0, 3.0));
+    for (name, powered, words) in [
+        ("on", Some(1e5), None),
+        ("anew", Some(0.0), Some("started anew")),
+        ("silent", None, Some("nobody knows whether its encoder counted on")),
+    ] {
+        let place = folder.path().join(name);
+        std::fs::create_dir(&place).unwrap();
+        let lost_after = vec![5_000, 60_000];
+        let (outcome, dossier) =
+            within(&place, Fate { lost_after, powered, ..Fate::NONE }, limited);
+        match words {
+            None => {
+                outcome.unwrap();
+            }
+            Some(words) => {
+                let said = outcome.unwrap_err().to_string();
+                assert!(said.contains(words), "{said}");
+                assert!(dossier.travel().unwrap().is_some() && dossier.done().is_empty());
+            }
+        }
+    }
 }

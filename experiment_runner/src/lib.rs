@@ -7,6 +7,7 @@ pub mod compensation;
 pub mod constant_velocity;
 pub mod control_loop;
 pub mod cycle;
+pub mod errand;
 mod exact;
 pub mod experiments;
 pub mod messages;

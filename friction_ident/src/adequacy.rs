@@ -15,6 +15,9 @@ pub const LEAST_EXPLAINED: f64 = 0.9;
 pub const MOST_PATTERN: f64 = 0.2;
 /// Root mean square of such a pattern over that of the force, below which nobody would notice.
 const NOTICED: f64 = 0.02;
+/// A prediction of another recording that is off by this factor more than was to be expected says
+/// that what was found does not hold there.
+pub const MOST_ELSEWHERE: f64 = 2.0;
 /// Ranges of a quantity over which means of the residual are taken.
 const BINS: usize = 12;
 
@@ -76,6 +79,35 @@ pub enum FitDoubt {
         /// Share of the residual's mean square.
         share: f64,
     },
+    /// It does not hold in another recording.
+    #[error(
+        "is off by {there:.1} % of the force on the other recording, where {expected:.1} % was to \
+         be expected: what was found does not hold there (other speeds, another load, an axis that \
+         has changed, a force that is recorded late). Its parameters are not to be trusted, \
+         whatever their errors"
+    )]
+    Elsewhere {
+        /// Relative error that the recording itself promises \[%\].
+        expected: f64,
+        /// Relative error of the prediction \[%\].
+        there: f64,
+    },
+}
+
+/// Whether a fit fails on a recording that it has not seen, where a relative error of `expected`
+/// \[%\] of a force of the mean square `power` was promised: more than [`MOST_ELSEWHERE`] times as
+/// far off, in the unit of the force and as a share of it.
+pub fn elsewhere(expected: f64, power: f64, there: &Prediction) -> Option<FitDoubt> {
+    let measured = mean_square(&there.measured);
+    let promised = expected.max(100.0 * NOTICED);
+    let share = there.relative_error / promised;
+    let size = share * (measured / power).sqrt();
+    let fails = share.min(size) > MOST_ELSEWHERE;
+    fails.then_some(FitDoubt::Elsewhere { expected, there: there.relative_error })
+}
+
+fn mean_square(values: &[f64]) -> f64 {
+    values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64
 }
 
 /// What is wrong with a fit as a whole; nothing where it explains the recording.
@@ -98,9 +130,6 @@ pub fn doubts_of(
     measured: &[f64],
     columns: &[(Quantity, Vec<f64>)],
 ) -> Vec<FitDoubt> {
-    let mean_square = |values: &[f64]| {
-        values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64
-    };
     let power = mean_square(measured);
     let mut doubts = Vec::new();
     let explained = 1.0 - mean_square(residual) / power;

@@ -73,6 +73,7 @@ mod least_squares;
 pub mod micro_damping;
 pub mod model_choice;
 pub mod motion_band;
+pub mod near_rest;
 pub mod outliers;
 pub mod output_error;
 mod parameter_id;

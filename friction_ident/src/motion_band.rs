@@ -9,7 +9,7 @@
 //! the fifth power where only noise is added. The cutoff belongs where it stays. The velocity has
 //! its own, usually higher: a velocity that is smoothed too much creeps where the axis stands.
 
-use crate::conditioning::{Conditioning, Differences, Signals};
+use crate::conditioning::{Conditioned, Conditioning, Differences, Signals, condition_stretches};
 use crate::statistics::Sample;
 use crate::zero_phase::LowPass;
 
@@ -61,6 +61,8 @@ const FASTEST: f64 = 0.2;
 const ROWS: usize = 500;
 /// Rows that a short recording keeps: thinned no more than leaves these.
 const FEWEST_ROWS: usize = 60;
+/// Share of the motion between rests that the thinning must leave, as a fraction.
+const MOST_MOTION: (usize, usize) = (3, 4);
 /// Share of the samples that a short recording loses at each end.
 const SHORT_ENDS: usize = 10;
 /// Periods of the cutoff dropped at each end, as in the usual conditioning.
@@ -96,7 +98,7 @@ impl Conditioning {
         let samples: usize = stretches.iter().map(|signals| signals.force.len()).sum();
         let longest = stretches.iter().map(|signals| signals.force.len()).max().unwrap_or(0);
         if acceleration_cutoff >= usual.cutoff {
-            return usual.spared(samples, longest);
+            return usual.spared(samples, longest).between_rests(stretches);
         }
         let periods = 1.0 / time_step / acceleration_cutoff;
         let thin = periods.round().min((samples / ROWS) as f64) as usize;
@@ -109,6 +111,31 @@ impl Conditioning {
             ..usual
         }
         .spared(samples, longest)
+        .between_rests(stretches)
+    }
+
+    /// The same with fewer samples left out, where the axis moves only for short whiles between two
+    /// rests: motion that is too short to be thinned would be lost.
+    fn between_rests(self, stretches: &[Signals]) -> Self {
+        let stretches: Vec<(f64, Signals)> = stretches.iter().map(|own| (0.0, *own)).collect();
+        let Ok(found) = condition_stretches(&stretches, &self) else { return self };
+        let moving = |decimate: usize| {
+            let thinned = Conditioned { decimate, ..found.clone() };
+            thinned.moving().map_or(0, |(moving, _)| moving.velocity.len())
+        };
+        let all = moving(1);
+        if all == found.velocity.len() {
+            return self;
+        }
+        let mut decimate = self.decimate;
+        while decimate > 1 {
+            let left = moving(decimate);
+            if left >= all * MOST_MOTION.0 / MOST_MOTION.1 && left >= FEWEST_ROWS * decimate {
+                break;
+            }
+            decimate = 2 * decimate / 3;
+        }
+        Self { decimate: decimate.max(1), ..self }
     }
 
     /// The same for a recording of so few samples that little would be left of it: less is dropped
@@ -331,6 +358,34 @@ mod tests {
         assert_eq!(Conditioning::for_motion(DT, &[rest]), usual);
         let short = Signals { position: Some(&still[..4]), force: &force[..4], ..signals };
         assert_eq!(Conditioning::for_motion(DT, &[short]), usual);
+    }
+
+    /// Moves of 0.7 s with rests between, at 100 Hz: none was long enough to be thinned by ten.
+    #[test]
+    fn short_moves_between_rests_are_kept() {
+        let dt = 0.01;
+        let (position, force): (Vec<f64>, Vec<f64>) = (0..3000)
+            .map(|k| {
+                let (move_, part) = (k / 200, (f64::from(k % 200) * dt / 0.7).min(1.0));
+                let way = if move_ % 2 == 0 { 1.0 } else { -1.0 };
+                let (x, v, a) = (
+                    part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part),
+                    30.0 * part.powi(2) * (1.0 - part).powi(2) / 0.7,
+                    60.0 * part * (1.0 - part) * (1.0 - 2.0 * part) / 0.49,
+                );
+                let q = if way > 0.0 { x } else { 1.0 - x };
+                let moves = if part < 1.0 { way } else { 0.0 };
+                (q, 0.1 * way * a + 0.2 * way * v + 0.5 * moves)
+            })
+            .unzip();
+        let signals =
+            Signals { time_step: dt, position: Some(&position), velocity: None, force: &force };
+        let how = Conditioning::for_motion(dt, &[signals]);
+        let (moving, rest) = condition(&signals, &how).unwrap().moving().unwrap();
+        assert!(rest > 10.0 && rest < 25.0, "{rest} s, {how:?}");
+        let fit = fit_axis(&moving, AxisModel::SYMMETRIC).unwrap();
+        let found = fit.value(crate::axis_term::AxisTerm::Coulomb);
+        assert!((found / 0.5 - 1.0).abs() < 0.15, "{found}, {how:?}");
     }
 
     /// One and a half seconds at 100 Hz: with 50 samples off each end and one in ten kept, five were

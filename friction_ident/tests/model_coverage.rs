@@ -7,7 +7,7 @@
 
 use std::ops::ControlFlow;
 
-use friction_ident::output_error::{OutputErrorOptions, predict};
+use friction_ident::output_error::{OutputErrorFit, OutputErrorOptions, predict};
 use friction_ident::position_load::LoadShape;
 use friction_ident::{
     Estimate, Estimates, FreeParameters, Load, Measured, Stretch, fit_output_error,
@@ -83,7 +83,7 @@ fn recorded(seed: u64, seconds: f64, beside: Beside) -> Stretch {
     stretch
 }
 
-fn fitted(seed: u64, seconds: f64, beside: Beside) -> Estimates {
+fn fitted(seed: u64, seconds: f64, beside: Beside) -> OutputErrorFit {
     let stretch = recorded(seed, seconds, beside);
     let free = FreeParameters::new(&truth_model(), |row| {
         ["f_s", "f_c", "v_s", "f_v", "sigma0"].contains(&row.name)
@@ -95,7 +95,7 @@ fn fitted(seed: u64, seconds: f64, beside: Beside) -> Estimates {
     };
     let go = &mut |_: &_| ControlFlow::Continue(());
     let options = OutputErrorOptions::default();
-    fit_output_error(&free, &measured, &[], &options, go).unwrap().estimates
+    fit_output_error(&free, &measured, &[], &options, go).unwrap()
 }
 
 /// Long recordings, of which the mean is the truth.
@@ -103,7 +103,8 @@ fn truth(beside: Beside) -> Vec<f64> {
     if matches!(beside, Beside::Colour(_)) {
         return vec![4.0, 3.0, 0.2, 300.0, 1.5, 0.5];
     }
-    let fits: Vec<Estimates> = (0..4).map(|seed| fitted(1_000_000 + seed, 600.0, beside)).collect();
+    let fit = |seed: u64| fitted(1_000_000 + seed, 600.0, beside).estimates;
+    let fits: Vec<Estimates> = (0..4).map(fit).collect();
     (0..fits[0].parameters.len())
         .map(|j| fits.iter().map(|fit| fit.parameters[j].value).sum::<f64>() / fits.len() as f64)
         .collect()
@@ -116,16 +117,10 @@ struct Reached {
     each: f64,
 }
 
-/// What is reached. Where the model lacks a dip or lost motion, its own static level, Stribeck
-/// velocity and stiffness stand in for them: their intervals are too narrow, in short recordings
-/// most. Before the errors were looked at along the motion, 0.81 and 0.66 of all held it over 15 s.
-fn reached(beside: Beside) -> Reached {
-    match beside {
-        Beside::Colour(_) | Beside::Ripple => Reached { all: 0.92, each: 0.87 },
-        Beside::Stribeck => Reached { all: 0.86, each: 0.70 },
-        Beside::Backlash => Reached { all: 0.85, each: 0.58 },
-    }
-}
+/// What is reached of those that are said to be identified. Where the model lacks a dip or lost
+/// motion, its own static level, Stribeck velocity and stiffness stand in for them; that is told, and
+/// they are not. Before, 0.62 to 0.79 of their intervals held the truth.
+const REACHED: Reached = Reached { all: 0.92, each: 0.87 };
 
 /// Both lengths of recording against one truth, which the long recordings tell.
 fn intervals_hold_the_truth(beside: Beside) {
@@ -135,8 +130,11 @@ fn intervals_hold_the_truth(beside: Beside) {
     for seconds in [15.0, 60.0] {
         let mut inside = vec![0.0; truth.len()];
         let mut claimed = vec![0.0; truth.len()];
+        let mut told = 0;
         for seed in 0..repetitions {
-            let found = fitted(seed, seconds, beside);
+            let fit = fitted(seed, seconds, beside);
+            told += usize::from(fit.left.is_some());
+            let found = fit.estimates;
             for (j, (estimate, truth)) in found.parameters.iter().zip(&truth).enumerate() {
                 if estimate.is_identified() {
                     claimed[j] += 1.0;
@@ -154,8 +152,18 @@ fn intervals_hold_the_truth(beside: Beside) {
         let chance = |n: f64| 4.0 * (0.05 * 0.95 / n).sqrt();
         let all = inside.iter().sum::<f64>() / claimed.iter().sum::<f64>();
         let some = claimed.iter().sum::<f64>() / 5.0;
-        let Reached { all: of_all, each } = reached(beside);
-        println!("{beside:?} {seconds} s: {all:.3} of all");
+        let Reached { all: of_all, each } = REACHED;
+        let told = told as f64 / repetitions as f64;
+        println!("{beside:?} {seconds} s: {all:.3} of all; told in {told:.3}");
+        // Three standard deviations of chance beside 5 %.
+        let luck = 3.0 * (0.05 * 0.95 / repetitions as f64).sqrt();
+        match beside {
+            Beside::Colour(_) => assert!(told <= 0.05 + luck, "{beside:?} {seconds} s: {told}"),
+            Beside::Stribeck | Beside::Backlash => {
+                assert!(told >= 0.95 - luck, "{beside:?} {seconds} s: {told}");
+            }
+            Beside::Ripple => {}
+        }
         assert!(all > of_all - chance(some), "{beside:?} {seconds} s: {all}");
         // Where the model is right, wider than they say is wrong too.
         let wide = matches!(beside, Beside::Colour(_)) && repetitions >= 200 && all > 0.99;

@@ -37,7 +37,7 @@ enum Command {
     Bag(bag::BagArgs),
     Commission(Box<commission::CommissionArgs>),
     Completions(completions::CompletionsArgs),
-    Design(design::DesignArgs),
+    Design(studies::design::asked::DesignArgs),
     Features(features::FeaturesArgs),
     Manual(manual::ManualArgs),
     Models(models::ModelsArgs),

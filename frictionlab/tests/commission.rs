@@ -36,7 +36,9 @@ fn it_ends_well_goes_on_and_refuses_what_cannot_be_with_a_sentence() {
         (&["--voltage-limit", "0"], "voltage_limit"),
         (&["--voltage-limit", "50"], "10 V"),
         (&["--want", "f_q:2%"], "f_c:2%"),
-        (&["--rig", "nodes"], "a rig of its own"),
+        (&["--travel", "0.5:1"], "-0.5:1.5"),
+        (&["--travel", "fnd"], "find"),
+        (&["--trial", "x"], "--trial 20"),
     ] {
         let refused = commission(folder.path(), arguments);
         let told = String::from_utf8_lossy(&refused.stderr).into_owned();

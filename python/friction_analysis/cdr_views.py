@@ -83,7 +83,8 @@ class Layout:
             return _texts(np.ascontiguousarray(data[:, leaf.offset : leaf.offset + leaf.size]))
         numbers = self.numbers(data, leaf.offset, leaf.kind)
         if leaf.kind == "bool":
-            return numbers != 0
+            truths: Values = numbers != 0
+            return truths
         if leaf.element:
             return numbers
         # A number of its own becomes one of Python's, which has no short forms.

@@ -251,6 +251,14 @@ pub enum RecordingError {
         /// How it is saved so that it can be read.
         convert: &'static str,
     },
+    /// Arrays in memory are no table.
+    #[error("{}: {detail}; give arrays of numbers of one length, a value for each sample", path.display())]
+    Arrays {
+        /// What they are called.
+        path: PathBuf,
+        /// What is wrong with them.
+        detail: String,
+    },
     /// Tables that were to stand beside each other have not as many rows.
     #[error("{} has {rows} rows, but {} has {expected}; tables beside each other must have a row for each sample", path.display(), beside.display())]
     Joined {
@@ -425,6 +433,7 @@ impl RecordingError {
             Self::Read { source, .. } => is_of_the_path(source),
             Self::Bag(error) => error.is_bad_input(),
             Self::Form { .. }
+            | Self::Arrays { .. }
             | Self::Joined { .. }
             | Self::NotJoined { .. }
             | Self::TimeTwice { .. }

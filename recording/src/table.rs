@@ -6,6 +6,7 @@
 use std::path::Path;
 
 use super::column::Channel;
+use super::grid::Input;
 use super::layout::Layout;
 use super::sheet::{Cells, Dialect, Found, Loaded, Missing, Sheet, load};
 use super::timing::{Steps, Timing};
@@ -55,12 +56,13 @@ pub struct Columns {
 ///
 /// # Errors
 /// [`RecordingError`], naming the file and, where there is one, the line and the column.
-pub fn read(
-    path: &Path,
+pub fn read<'a>(
+    input: impl Into<Input<'a>>,
     columns: &Columns,
     steps: impl Into<Steps>,
 ) -> Result<Recording, RecordingError> {
-    parse(path, load(path, &columns.layout)?, columns, steps)
+    let input = input.into();
+    parse(input.path(), load(input, &columns.layout)?, columns, steps)
 }
 
 /// The part of [`read`] that does not touch the disk.

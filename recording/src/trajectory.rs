@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
 use super::column::Channel;
-use super::grid::{self, Form};
+use super::grid::{self, Arrays, Form, Input};
 use super::layout::Layout;
 use super::sheet::{Cells, Decoding, Flow, Found, Loaded, Missing, Sheet, load};
 use super::{AxisKind, RecordingError, units};
@@ -74,7 +74,7 @@ pub fn from_text(path: &Path, text: impl BufRead + 'static) -> Result<Trajectory
     let (head, text) = begun(Box::new(text)).map_err(read)?;
     grid::refuse_foreign(path, &head)?;
     if grid::form_of(&head) != Form::Text {
-        return read_whole(path);
+        return read_whole(path.into());
     }
     let text: Box<dyn BufRead> = match Decoding::of(whole_lines(&head), text) {
         Ok(decoding) => Box::new(BufReader::new(decoding)),
@@ -106,9 +106,17 @@ fn whole_lines(head: &[u8]) -> &[u8] {
     whole.and_then(|last| head.get(..=last)).unwrap_or(head)
 }
 
-fn read_whole(path: &Path) -> Result<Trajectory, RecordingError> {
-    let layout = Layout::default();
-    let table = load(path, &layout)?;
+/// A motion of columns in memory, recognised as those of a file are.
+///
+/// # Errors
+/// As of [`open`].
+pub fn from_arrays(arrays: &Arrays) -> Result<Trajectory, RecordingError> {
+    read_whole(Input::Arrays(arrays))
+}
+
+fn read_whole(input: Input<'_>) -> Result<Trajectory, RecordingError> {
+    let (path, layout) = (input.path(), Layout::default());
+    let table = load(input, &layout)?;
     let mut sheet = Sheet::open(path, &table, &layout, EXAMPLE)?;
     let Chosen { columns, axis, notes } = Columns { path, sheet: &sheet }.all()?;
     let loaded = columns.len() > 2;

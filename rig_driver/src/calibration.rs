@@ -121,6 +121,23 @@ impl Calibration {
     }
 }
 
+impl Calibration {
+    /// What puts right what `first` has not: the calibration that does both at once.
+    #[must_use]
+    pub fn after(&self, first: &Self) -> Self {
+        let both = |a: Sign, b: Sign| Sign::of(a.factor() * b.factor());
+        Self {
+            encoder_sign: both(first.encoder_sign, self.encoder_sign),
+            tachometer_gain: first.tachometer_gain * self.tachometer_gain,
+            tachometer_zero: first.tachometer_zero + self.tachometer_zero / first.tachometer_gain,
+            torque_sign: both(first.torque_sign, self.torque_sign),
+            torque_zero: first.torque_zero + first.torque_sign.factor() * self.torque_zero,
+            deadband_forward: self.deadband_forward,
+            deadband_backward: self.deadband_backward,
+        }
+    }
+}
+
 /// A rig with its readings corrected. It stands inside the safety layer, which is to see true
 /// readings.
 #[derive(Debug)]
@@ -216,6 +233,33 @@ mod tests {
             (seen.tachometer_velocity + 2.0).abs() < 1e-12 && (seen.torque - 0.3).abs() < 1e-12,
             "{seen:?}"
         );
+    }
+
+    #[test]
+    fn one_calibration_after_another_is_one_that_does_both() {
+        let first = Calibration {
+            encoder_sign: Sign::Reversed,
+            tachometer_gain: -2.0,
+            tachometer_zero: 0.3,
+            torque_sign: Sign::Reversed,
+            torque_zero: 0.1,
+            ..Calibration::default()
+        };
+        let second =
+            Calibration { tachometer_gain: 0.5, tachometer_zero: -0.2, torque_zero: 0.05, ..first };
+        let raw = Measurement {
+            encoder_counts: 7,
+            encoder_position: 0.7,
+            tachometer_velocity: 1.3,
+            torque: 0.4,
+            ..Measurement::default()
+        };
+        let (twice, once) =
+            (second.correct(&first.correct(&raw)), second.after(&first).correct(&raw));
+        assert_eq!(twice.encoder_counts, once.encoder_counts);
+        assert!((twice.tachometer_velocity - once.tachometer_velocity).abs() < 1e-12);
+        assert!((twice.torque - once.torque).abs() < 1e-12);
+        assert_eq!(second.after(&Calibration::default()), second);
     }
 
     #[test]

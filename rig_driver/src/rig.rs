@@ -150,6 +150,12 @@ pub trait Rig {
         self.beneath().and_then(Rig::winding_rise)
     }
 
+    /// How long the device has run since it was switched on, by its own clock \[s\]: so long its
+    /// encoder has counted without a break. None where it does not say.
+    fn powered_for(&self) -> Option<f64> {
+        self.beneath().and_then(Rig::powered_for)
+    }
+
     /// Why the device holds the motor at zero volts until somebody clears that, in its own words:
     /// its emergency stop, or a fault of its own. None where it does not, or does not say.
     fn held_by(&self) -> Option<RigError> {
@@ -266,6 +272,10 @@ mod tests {
             Some(4.0)
         }
 
+        fn powered_for(&self) -> Option<f64> {
+            Some(5.0)
+        }
+
         fn held_by(&self) -> Option<RigError> {
             Some(RigError::LineGone)
         }
@@ -331,13 +341,13 @@ mod tests {
             (0.002, 12.0, true)
         );
         assert_eq!((layer.truth(), layer.latched_fault()), (Some(TRUTH), Some(FAULT)));
-        assert_eq!(layer.winding_rise(), Some(4.0));
+        assert_eq!((layer.winding_rise(), layer.powered_for()), (Some(4.0), Some(5.0)));
         assert_eq!(layer.held_by(), Some(RigError::LineGone));
-        // Whoever adds a method to the trait adds it here: the ten told, the seven asked, and both
+        // Whoever adds a method to the trait adds it here: the ten told, the eight asked, and both
         // ways to the rig beneath.
         let source = include_str!("rig.rs");
         let (_, of_the_trait) = source.split_once("pub trait Rig {").expect("the trait");
         let (of_the_trait, _) = of_the_trait.split_once("\n}\n").expect("its end");
-        assert_eq!(of_the_trait.matches("\n    fn ").count(), told.len() + 7 + 2);
+        assert_eq!(of_the_trait.matches("\n    fn ").count(), told.len() + 8 + 2);
     }
 }

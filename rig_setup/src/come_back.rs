@@ -14,6 +14,9 @@ pub const PATIENCE: f64 = 30.0;
 /// Pause between two attempts to open it.
 const RETRY: Duration = Duration::from_millis(100);
 
+/// What a device has to have run for beyond the time in which it was not heard \[s\].
+const SURE: f64 = 0.5;
+
 /// Opens the rig by `reopen` once more, up to [`PATIENCE`] after it was `heard` last. Whoever drove
 /// it has let it go before, at zero volts. A fault that is latched in the device is not cleared.
 ///
@@ -32,7 +35,8 @@ pub fn come_back(
         if stop.load(Ordering::Relaxed) {
             return not(RigError::Stopped.to_string());
         }
-        match reopen() {
+        // One that answers, and measures nothing yet, is not there.
+        match reopen().and_then(measuring) {
             Ok(opened) => break opened,
             Err(error @ RigSetupError::OtherDevice { .. }) => return not(error.to_string()),
             Err(error) if too_late() => {
@@ -47,6 +51,32 @@ pub fn come_back(
         ));
     }
     Ok(opened)
+}
+
+/// The rig, once it has measured.
+fn measuring(mut opened: Opened) -> Result<Opened, RigSetupError> {
+    opened.rig.wait()?;
+    Ok(opened)
+}
+
+/// Whether the encoder of a rig that was `heard` last then has counted on since: its device has run
+/// for longer than that, so that it was not switched on meanwhile. Where that is so, a travel by the
+/// rig's own count still holds.
+///
+/// # Errors
+/// [`NotReopened`] where it began anew, or does not say how long it has run.
+pub fn counted_on(opened: &Opened, heard: SystemTime) -> Result<(), NotReopened> {
+    let look = "look where the shaft is, and begin again";
+    let since = silence(heard);
+    match opened.rig.powered_for() {
+        Some(powered) if powered > since + SURE => Ok(()),
+        Some(powered) => Err(NotReopened(format!(
+            "its travel is limited, and its device started anew {powered:.0} s ago, so that its encoder did too: {look}"
+        ))),
+        None => Err(NotReopened(format!(
+            "its travel is limited, and nobody knows whether its encoder counted on: {look}"
+        ))),
+    }
 }
 
 /// Time since the rig was heard \[s\]; 0 where the clock was set back.

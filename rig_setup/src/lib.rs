@@ -8,6 +8,7 @@ mod bench_rig;
 mod choice;
 mod come_back;
 mod description;
+mod ends;
 mod error;
 mod findings;
 mod heat;
@@ -21,8 +22,9 @@ mod terminal;
 
 pub use bench_rig::{BenchRig, REST, Reopen};
 pub use choice::RigChoice;
-pub use come_back::{PATIENCE, come_back};
+pub use come_back::{PATIENCE, come_back, counted_on};
 pub use description::require_device;
+pub use ends::{Ends, Moves, Search, find_ends, find_moves};
 pub use error::{NotReopened, RigFileError, RigSetupError, SectionError};
 pub use findings::{Findings, Level, Verdict};
 pub use heat::Heat;

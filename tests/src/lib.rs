@@ -79,6 +79,29 @@ pub fn node_programs() -> PathBuf {
     folder.clone()
 }
 
+/// The extension module of Python as it was built; found as [`frictionlab`] is, or
+/// `$FRICTIONLAB_PYTHON_MODULE` where that is set.
+///
+/// # Panics
+/// As [`frictionlab`].
+pub fn python_module() -> PathBuf {
+    if let Some(named) = std::env::var_os("FRICTIONLAB_PYTHON_MODULE") {
+        return named.into();
+    }
+    let folder = profile_folder();
+    if let Some(cargo) = std::env::var_os("CARGO") {
+        build_part(Path::new(&cargo), &folder, "--lib", &["frictionlab_python"]);
+    }
+    let (before, after) = (std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let module = folder.join(format!("{before}frictionlab_native{after}"));
+    assert!(
+        module.is_file(),
+        "no {}: build it with `cargo build -p frictionlab_python`",
+        module.display()
+    );
+    module
+}
+
 fn program(found: &OnceLock<PathBuf>, variable: &str, package: &str, name: &str) -> Command {
     Command::new(found.get_or_init(|| {
         if let Some(named) = std::env::var_os(variable) {
@@ -114,12 +137,16 @@ fn profile_folder() -> PathBuf {
 
 /// Builds the programs of packages, together, so that they share what they stand on.
 fn build(cargo: &Path, profile_folder: &Path, packages: &[&str]) {
+    build_part(cargo, profile_folder, "--bins", packages);
+}
+
+fn build_part(cargo: &Path, profile_folder: &Path, part: &str, packages: &[&str]) {
     let profile = match profile_folder.file_name().and_then(|name| name.to_str()) {
         Some("debug") | None => "dev",
         Some(other) => other,
     };
     let status = Command::new(cargo)
-        .args(["build", "--quiet", "--bins", "--profile", profile])
+        .args(["build", "--quiet", part, "--profile", profile])
         .args(packages.iter().flat_map(|package| ["--package", package]))
         .arg("--target-dir")
         .arg(profile_folder.parent().expect("a profile folder lies in the target folder"))

@@ -10,6 +10,10 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 /// How long it is silent where there is no terminal.
 const BETWEEN: Duration = Duration::from_secs(10);
 
+/// A bar whose words have a line of their own.
+const IN_WORDS: &str =
+    "{bar:28.cyan/blue} {percent:>3} %  {pos}/{len} s of rig time  at most {eta} left\n{wide_msg}";
+
 /// Whether each stage is said as it begins.
 static VERBOSE: AtomicBool = AtomicBool::new(false);
 
@@ -33,6 +37,17 @@ impl Progress {
     #[must_use]
     pub fn new(rig_seconds: f64, quiet: bool) -> Self {
         Self::counting(rig_seconds.ceil() as u64, "s of rig time", quiet)
+    }
+
+    /// The same for work that has much to say: its words have a line of their own, and the time that
+    /// is left is the most that it may be.
+    #[must_use]
+    pub fn in_words(rig_seconds: f64, quiet: bool) -> Self {
+        let progress = Self::counting(rig_seconds.ceil() as u64, "s of rig time", quiet);
+        if let Ok(style) = ProgressStyle::with_template(IN_WORDS) {
+            progress.bar.set_style(style.progress_chars("━╸─"));
+        }
+        progress
     }
 
     /// A bar over `length` of `what`.
@@ -155,6 +170,7 @@ mod tests {
         assert_eq!((progress.position(), progress.fraction()), (15.0, 0.5));
         assert_eq!(progress.message(), "testing");
         progress.finish();
+        assert!(ProgressStyle::with_template(IN_WORDS).is_ok());
     }
 
     #[test]

@@ -14,7 +14,7 @@ use serde_json::Value;
 use crate::tally::Tally;
 
 /// Test programs that drive a device in real time, speak DDS or time what others do.
-const IN_REAL_TIME: [&str; 31] = [
+const IN_REAL_TIME: [&str; 32] = [
     "answers",
     "apart",
     "bench_live",
@@ -22,6 +22,7 @@ const IN_REAL_TIME: [&str; 31] = [
     "broken_lines",
     "coasting",
     "colcon",
+    "commission_serial",
     "cyclone",
     "doctor",
     "examples",

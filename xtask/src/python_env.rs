@@ -26,6 +26,10 @@ const BAG_TOOLS: &[&str] = &[
     "PyYAML>=6,<7",
 ];
 
+/// What checks the types of our Python and runs its notebook, and what builds its wheel.
+const PYTHON_TOOLS: &[&str] =
+    &["mypy>=1.11,<3", "pandas-stubs", "nbclient>=0.10,<1", "ipykernel>=6,<8", "maturin>=1.9,<2"];
+
 /// The tool that builds ROS workspaces, as a ROS installation has it, and its extensions for cargo,
 /// which some workspaces have.
 const COLCON: &[&str] =
@@ -44,6 +48,8 @@ pub struct PythonEnv {
     pub dir: PathBuf,
     /// Why there are no readers of bags, if there are none.
     pub bag_tools: anyhow::Result<()>,
+    /// Why there is nothing that checks and builds our Python, if there is none.
+    pub python_tools: anyhow::Result<()>,
     /// Why there is no rclpy, if there is none.
     pub rclpy: anyhow::Result<()>,
     /// Why there is no Cyclone DDS, which has an environment of its own, if there is none.
@@ -62,12 +68,14 @@ pub fn prepare() -> anyhow::Result<PythonEnv> {
     let environment = Environment::make(&target()?.join(Distribution::Kilted.folder()))?;
     let bag_tools =
         environment.half("bag_tools", BAG_TOOLS.join("\n"), || environment.install(BAG_TOOLS));
+    let python_tools = environment
+        .half("python_tools", PYTHON_TOOLS.join("\n"), || environment.install(PYTHON_TOOLS));
     let rclpy = environment.rclpy(Distribution::Kilted);
     let cyclone = Environment::make(&target()?.join("python-cyclone")).and_then(|environment| {
         environment.half("cyclone", CYCLONE.join("\n"), || environment.install(CYCLONE))
     });
     let colcon = environment.half("colcon", COLCON.join("\n"), || environment.install(COLCON));
-    Ok(PythonEnv { dir: environment.dir, bag_tools, rclpy, cyclone, colcon })
+    Ok(PythonEnv { dir: environment.dir, bag_tools, python_tools, rclpy, cyclone, colcon })
 }
 
 /// Makes an environment with the rclpy of a distribution, or finds it made.
@@ -131,6 +139,7 @@ impl PythonEnvCommand {
                 environment.bag_tools,
                 "readers of bags (rosbags, mcap-ros2-support), pandas, matplotlib, pytest",
             ),
+            (environment.python_tools, "mypy, notebooks (nbclient, ipykernel), maturin"),
             (environment.rclpy, "rclpy with friction_msgs"),
             (environment.cyclone, "Cyclone DDS (cyclonedds)"),
             (environment.colcon, "colcon"),

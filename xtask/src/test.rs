@@ -55,13 +55,20 @@ impl Test {
         // could not be had are built again.
         fs::create_dir_all(&target)?;
         let mut expected = machine::look(&target);
-        expected.extend([Need::Rclpy, Need::BagTools, Need::Colcon, Need::Cyclone]);
+        expected.extend([
+            Need::Rclpy,
+            Need::BagTools,
+            Need::PythonTools,
+            Need::Colcon,
+            Need::Cyclone,
+        ]);
         expected.extend(self.full.then_some(Need::Jazzy));
         machine::write_down(&target, &expected)?;
         let examples = RUN_EXAMPLES.map(|name| ["--example", name]).concat();
         thread::scope(|scope| {
             scope.spawn(|| prepare_python(self.full));
-            let all = ["build", "--workspace", "--bins", "--tests", "--locked"];
+            // Libraries too: the extension module of Python is one that no program asks for.
+            let all = ["build", "--workspace", "--lib", "--bins", "--tests", "--locked"];
             cargo(root, &[&all[..], &examples].concat(), long)
         })?;
         machine::write_down(&target, &machine::look(&target))?;
@@ -75,6 +82,9 @@ impl Test {
         };
         let (program, emulator) = (built("frictionlab")?, built("rig_emulator")?);
         let xtask = built("xtask")?;
+        let (before, after) = (env::consts::DLL_PREFIX, env::consts::DLL_SUFFIX);
+        let module = target.join(format!("debug/{before}frictionlab_native{after}"));
+        let module = module.to_str().context("the target folder's path must be text")?;
         let nodes = target.join("debug").into_os_string().into_string().ok();
         let nodes = nodes.context("the target folder's path must be text")?;
         let state = target.join("state").into_os_string().into_string().ok();
@@ -87,6 +97,7 @@ impl Test {
             ("FRICTION_LEFT_OUT", left_out_by_name),
             ("FRICTION_NODES", nodes.as_str()),
             ("FRICTIONLAB_BIN", program.as_str()),
+            ("FRICTIONLAB_PYTHON_MODULE", module),
             ("RIG_EMULATOR_BIN", emulator.as_str()),
             ("XTASK_BIN", xtask.as_str()),
             ("PROPTEST_CASES", cases),
@@ -211,6 +222,7 @@ fn prepare_python(full: bool) {
         Ok(environment) => {
             let halves = [
                 (environment.bag_tools, "rosbags"),
+                (environment.python_tools, "mypy, nbclient and maturin"),
                 (environment.rclpy, "rclpy"),
                 (environment.cyclone, "Cyclone DDS"),
                 (environment.colcon, "colcon"),

@@ -2,7 +2,7 @@
 
 use std::time::SystemTime;
 
-use rig_setup::{NotReopened, Opened, PATIENCE, RigSetupError, come_back};
+use rig_setup::{NotReopened, Opened, PATIENCE, RigSetupError, come_back, counted_on};
 
 use super::{Axis, Bench};
 use crate::CommissionError;
@@ -74,11 +74,14 @@ impl Axis<'_> {
         }
         self.refuse_if_stopped()?;
         repeats.count(&error)?;
-        if self.opening.setup.limits.travel.is_some() {
-            let why = "its travel is limited, and nobody knows whether its encoder counted on: look where the shaft is";
-            return Err(lost(&error, why.to_owned()));
-        }
-        self.wait_for_line(&error, || come_back(|| self.opening.open(), heard, &self.stop))
+        let limited = self.opening.setup.limits.travel.is_some();
+        self.wait_for_line(&error, || {
+            let opened = come_back(|| self.opening.open(), heard, &self.stop)?;
+            if limited {
+                counted_on(&opened, heard)?;
+            }
+            Ok(opened)
+        })
     }
 
     /// Whether it is the line that failed, of a rig that is opened again by itself.

@@ -130,7 +130,8 @@ mod tests {
         assert!(curve.f_s.holds(0.5) && curve.f_s.relative().unwrap() < 0.1, "{curve:?}");
         let tail = points(&[0.55, 0.6, 0.7, 0.9, 1.2, 2.0, 4.0]);
         let seen = Curve::of(&tail, 0.0).unwrap();
-        let curve = reaching(Curve { dips: true, v_s: Ranged::new(0.5, 0.4, 0.6), ..seen }, &tail, 0.0);
+        let curve =
+            reaching(Curve { dips: true, v_s: Ranged::new(0.5, 0.4, 0.6), ..seen }, &tail, 0.0);
         assert_eq!((curve.f_s.low, curve.v_s.high), (None, None));
     }
 }

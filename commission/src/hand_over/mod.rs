@@ -1,5 +1,6 @@
 //! Hand-over: `parameters.yaml` for the nodes, `commission.json` and `report.html`, all or none.
 
+mod first_page;
 mod page;
 mod parameters;
 mod summary;
@@ -20,7 +21,7 @@ use crate::model::Chosen;
 use crate::proof::Proof;
 use crate::{CommissionError, Dossier, Stage};
 
-pub use summary::{believed, summary};
+pub use summary::{believed, proved, summary};
 
 /// Name of the parameter file.
 pub const PARAMETERS: &str = "parameters.yaml";
@@ -67,7 +68,11 @@ pub fn write(
         "found": found,
     });
     let document = format!("{document:#}\n");
-    let page = report::linked(page::page(found, wanted), [PARAMETERS, Stage::HandOver.file()]);
+    let folder = dossier.folder().display().to_string();
+    let page = report::linked(
+        page::page(found, known, wanted, &folder),
+        [PARAMETERS, Stage::HandOver.file()],
+    );
     let files = [
         (PARAMETERS, parameters::render(known, found, bed)?),
         (REPORT, report::render_page(&page)),

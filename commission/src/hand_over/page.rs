@@ -5,29 +5,26 @@ use report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace};
 use report::numbers::significant;
 
 use super::Found;
-use super::summary::{arm, drift, ending, margin, proved, rest, velocity};
-use super::worth;
+use super::summary::{arm, drift, ending, margin, proved, velocity};
+use super::{first_page, worth};
 use crate::Ranged;
+use crate::axis::Known;
 use crate::friction::wanted::Wanted;
 
-/// The page.
-pub(super) fn page(found: &Found, wanted: &Wanted) -> Page {
+/// The page; results are in `folder`.
+pub(super) fn page(found: &Found, known: &Known, wanted: &Wanted, folder: &str) -> Page {
     let text = |text: String| Block::Text(text);
     let friction = &found.friction;
-    let mut blocks = vec![
-        Block::Heading("In short".to_owned()),
-        text(format!("Proof: {}.", proved(found))),
-        text(format!("Fed forward: {}.", arm(found.control.arm))),
-        text(format!("At rest: {}.", rest(found))),
-        text(format!("Margin: {}.", margin(found))),
-        text(format!("Friction: {}.", ending(friction, wanted))),
-        text("Start the loop with parameters.yaml. Repeat the commission after work on the bearings, the gear or the load, and when the axis runs warmer or colder than today.".to_owned()),
-    ];
-    blocks.extend(friction.change.map(|change| Block::Note(format!("Drift: {}.", drift(change)))));
-    blocks
-        .extend(found.met.corrected.iter().map(|said| Block::Note(format!("Put right: {said}."))));
+    let mut blocks = first_page::blocks(found, known, folder);
     blocks.extend([
         Block::Heading("For the expert: what was found".to_owned()),
+        text(format!("Proof: {}.", proved(found))),
+        text(format!("Fed forward: {}.", arm(found.control.arm))),
+        text(format!("Margin: {}.", margin(found))),
+        text(format!("Friction: {}.", ending(friction, wanted))),
+    ]);
+    blocks.extend(friction.change.map(|change| Block::Note(format!("Drift: {}.", drift(change)))));
+    blocks.extend([
         table(found),
         Block::Figure(curve(found)),
         Block::Heading("Control".to_owned()),
@@ -40,11 +37,12 @@ pub(super) fn page(found: &Found, wanted: &Wanted) -> Page {
             significant(found.control.design.sensitivity_peak, 3),
             significant(found.control.design.noise, 2)
         )),
+    ]);
+    blocks.extend(worth::blocks(&found.control));
+    blocks.extend([
         text(format!("Velocity loop: {}.", velocity(found))),
         text("Not measured: pre-sliding stiffness, frictional lag, dependence on the position, torque in N m. `frictionlab run characterise` and `frictionlab identify` measure them.".to_owned()),
     ]);
-    let place = blocks.len() - 1;
-    blocks.splice(place..place, worth::blocks(&found.control));
     Page {
         title: "Commission".to_owned(),
         subtitle: format!(

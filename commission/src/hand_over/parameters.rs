@@ -23,7 +23,8 @@ pub(super) fn render(known: &Known, found: &Found, bed: &Bed) -> Result<String, 
 
     file.node("/rig_driver");
     file.value("voltage_limit", ParameterValue::Double(known.voltage), "as it was commissioned");
-    for one in found.met.calibration.declarations() {
+    let first = known.corrected_by.unwrap_or_default();
+    for one in found.met.calibration.after(&first).declarations() {
         file.value(&format!("calibration.{}", one.name()), one.default_value().clone(), "found");
     }
 

@@ -10,10 +10,11 @@ use crate::bed::Arm;
 use crate::control::Control;
 use crate::friction::wanted::Wanted;
 use crate::friction::{Ending, Friction};
+use crate::travel::TravelAsked;
 
 /// What is believed of a rig before it moves.
 #[must_use]
-pub fn believed(rig: &str, known: &Known, minutes: f64) -> String {
+pub fn believed(rig: &str, known: &Known, travel: Option<TravelAsked>, minutes: f64) -> String {
     let mut text = format!("rig       {rig}\n");
     // Writing to a string cannot fail.
     if let Some(about) = &known.about {
@@ -29,14 +30,27 @@ pub fn believed(rig: &str, known: &Known, minutes: f64) -> String {
     let _ = writeln!(text, "used      the motor's voltage and the encoder; no other sensor");
     let _ = writeln!(
         text,
-        "motion    the shaft turns both ways, {}, for at most {minutes} min; ctrl-C ends it at zero volts",
-        known.travel.map_or("several times round".to_owned(), |travel| format!(
+        "motion    the shaft turns both ways, {}, for at most {} min; ctrl-C ends it at zero volts",
+        where_to(travel, known),
+        significant(minutes, 3)
+    );
+    text
+}
+
+/// Where the shaft is to be.
+fn where_to(asked: Option<TravelAsked>, known: &Known) -> String {
+    match (known.travel, asked) {
+        (Some(travel), _) => format!(
             "from {} to {} rad by its encoder",
             significant(travel.min, 3),
             significant(travel.max, 3)
-        ))
-    );
-    text
+        ),
+        (None, Some(TravelAsked::Find(angle))) => format!(
+            "first creeping up to {} rad either way until something holds it, and then between what was found",
+            significant(angle, 3)
+        ),
+        (None, _) => "several times round".to_owned(),
+    }
 }
 
 /// The result in a few lines.
@@ -50,6 +64,9 @@ pub fn summary(found: &Found, wanted: &Wanted) -> String {
     };
     for said in &found.met.corrected {
         row("put right", said.clone());
+    }
+    if let Some(sought) = &found.met.sought {
+        row("travel", sought.to_string());
     }
     row("gain", drive.gain.said("rad/s per V"));
     row("time constant", drive.time_constant.said("s"));
@@ -183,7 +200,8 @@ pub(super) fn drift(change: f64) -> String {
 }
 
 /// What the proof says.
-pub(super) fn proved(found: &Found) -> String {
+#[must_use]
+pub fn proved(found: &Found) -> String {
     match found.proof.ratio {
         None => "nothing was added to the linear gains, so there was nothing to prove".to_owned(),
         Some(ratio) => {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use report::figure::{Block, Figure, Panel, Table, Trace};
+use report::figure::{Block, Figure, LineStyle, Panel, Table, Trace};
 use report::numbers::significant;
 
 use crate::control::Control;
@@ -96,32 +96,52 @@ fn table(tried: &[Tried]) -> Table {
     }
 }
 
+/// One line a technique, of the strength that is best at equal robustness, over its loops: few
+/// enough to be told apart.
 fn figure(tried: &[Tried]) -> Figure {
     let names: BTreeSet<String> = tried.iter().map(Tried::name).collect();
+    let lines: Vec<(String, Vec<&Tried>)> = names
+        .into_iter()
+        .filter_map(|name| {
+            let own = || tried.iter().filter(|tried| tried.name() == name);
+            let best =
+                own().filter(|tried| tried.equal).min_by(|a, b| a.error.total_cmp(&b.error))?;
+            let strength = |tried: &Tried| tried.fed_back.map(|fed| fed.strength);
+            let mut line: Vec<&Tried> =
+                own().filter(|tried| strength(tried) == strength(best)).collect();
+            // The quietest loop is the slowest.
+            line.sort_by(|a, b| a.noise.total_cmp(&b.noise));
+            Some((name, line))
+        })
+        .collect();
+    let error = |tried: &&Tried| 1e3 * tried.error;
     let panel = |y_label: &str, y: fn(&Tried) -> f64| Panel {
         y_label: y_label.to_owned(),
-        traces: names
+        traces: lines
             .iter()
-            .map(|name| {
-                let own = || tried.iter().filter(|tried| tried.name() == *name);
-                Trace::Points {
-                    name: name.clone(),
-                    x: own().map(|tried| 1e3 * tried.error).collect(),
-                    y: own().map(y).collect(),
-                    error: None,
-                }
+            .flat_map(|(name, line)| {
+                let x: Vec<f64> = line.iter().map(error).collect();
+                let y: Vec<f64> = line.iter().map(|tried| y(tried)).collect();
+                [
+                    Trace::Line {
+                        name: name.clone(),
+                        x: x.clone(),
+                        y: y.clone(),
+                        style: LineStyle::Faint,
+                    },
+                    Trace::Points { name: name.clone(), x, y, error: None },
+                ]
             })
             .collect(),
     };
     Figure {
         title: "Error against robustness and noise".to_owned(),
-        caption: "Each point is a technique of one strength over one linear loop. Left and low is good: the knee is the point that nothing beats in all three.".to_owned(),
+        caption: "One line a technique, of the strength that is best at equal robustness, over a fast, a slower and a slow linear loop. Left and low is good.".to_owned(),
         x_label: "error [mrad]".to_owned(),
         log_x: true,
         panels: vec![
             panel("peak of the sensitivity", |tried| tried.peak),
             panel("noise of the voltage [mV]", |tried| 1e3 * tried.noise),
-            panel("chattering [mV]", |tried| 1e3 * tried.chatter),
         ],
     }
 }

@@ -114,8 +114,7 @@ impl Fitted {
                 return None;
             }
             let inverse = even.try_inverse()?;
-            let inverse =
-                DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (sizes[i] * sizes[j]));
+            let inverse = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (sizes[i] * sizes[j]));
             let values = &inverse * right;
             let left: Vec<DVector<f64>> = blocks.iter().map(|(x, y)| y - x * &values).collect();
             let scatter: Vec<f64> =

@@ -96,6 +96,9 @@ pub struct Structure {
     pub errors: (f64, f64),
 }
 
+/// Size and half its interval of a load that hangs and of a spring, where they are there.
+type Sizes = (Option<(f64, f64)>, Option<(f64, f64)>);
+
 /// A candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
@@ -117,7 +120,7 @@ impl Kind {
     }
 
     /// Size of the load that hangs and half its interval, and of the spring.
-    fn sizes(self, fitted: &Fitted) -> (Option<(f64, f64)>, Option<(f64, f64)>) {
+    fn sizes(self, fitted: &Fitted) -> Sizes {
         let spring = |column: usize| (fitted.values[column], fitted.half(column));
         match self {
             Self::Nothing => (None, None),
@@ -132,9 +135,8 @@ impl Kind {
     fn is_clear(self, fitted: &Fitted, covered: f64) -> bool {
         let (gravity, spring) = self.sizes(fitted);
         gravity.is_none_or(|(size, half)| size > half)
-            && spring.is_none_or(|(size, half)| {
-                size > half || (covered < BENDS && size.abs() > half)
-            })
+            && spring
+                .is_none_or(|(size, half)| size > half || (covered < BENDS && size.abs() > half))
     }
 }
 
@@ -185,7 +187,7 @@ pub fn structure(trails: &[Trail], held_back: &[Trail], curve: &Curve, drive: &D
         }
     }
     let (kind, chosen, last) = chosen;
-    let told = |parts: fn((Option<(f64, f64)>, Option<(f64, f64)>)) -> Option<(f64, f64)>| {
+    let told = |parts: fn(Sizes) -> Option<(f64, f64)>| {
         let there = parts(kind.sizes(&chosen));
         // Where it was not chosen: of the richest that was looked at.
         let looked = fitted.iter().rev().find_map(|(kind, fitted)| parts(kind.sizes(fitted)));
@@ -217,7 +219,13 @@ pub fn structure(trails: &[Trail], held_back: &[Trail], curve: &Curve, drive: &D
         direction: direction(kind, covered, (chosen.values[0], chosen.half(0)), friction),
         gravity: found(gravity.0, gravity.1, friction, short),
         spring: if covered < BENDS && kind == Kind::Spring {
-            Finding::Unknown { why: format!("a load that rises by {:.3} V/rad is there; {}", chosen.values[1], short()) }
+            Finding::Unknown {
+                why: format!(
+                    "a load that rises by {:.3} V/rad is there; {}",
+                    chosen.values[1],
+                    short()
+                ),
+            }
         } else {
             found(spring.0, spring.1.map(|s| (s.0 * covered, s.1 * covered)), friction, short)
         },
@@ -329,7 +337,8 @@ fn play(drive: &Drive) -> Finding {
 /// Places from the lowest to the highest \[rad\].
 fn covered(trails: &[Trail]) -> f64 {
     let places = || trails.iter().flat_map(fit::parts).map(|(_, (place, _))| place);
-    let (low, high) = (places().fold(f64::INFINITY, f64::min), places().fold(-f64::INFINITY, f64::max));
+    let (low, high) =
+        (places().fold(f64::INFINITY, f64::min), places().fold(-f64::INFINITY, f64::max));
     (high - low).max(0.0)
 }
 

@@ -21,6 +21,7 @@ use crate::hand_over::Found;
 use crate::loop_design::{Plant, QUICK, design};
 use crate::protocols::steps::{Fixed, steps};
 use crate::run::identity;
+use crate::travel::{ANGLE, TravelAsked};
 use crate::{Asked, CommissionError, Dossier, Stage};
 
 /// A parameter that was found, beside the truth.
@@ -95,6 +96,8 @@ pub struct Case {
 
 /// What creeps, as a share of the speed that the whole voltage gives.
 const CREEPING: f64 = 0.01;
+/// The same where ends are looked for: a hundredth of the energy.
+const GENTLE: f64 = 0.1;
 /// The most by which a shaft may run past its speed limit before the safety layer has it: what a
 /// cycle of full voltage adds, and noise.
 const PAST: f64 = 1.1;
@@ -127,7 +130,10 @@ pub fn case(
         .map_err(|error| CommissionError::Asked(format!("{error}")))?;
     // The user's file has the limits that the maker of the machine gives.
     let setup = RigSetup { limits: machine.limits, ..RigSetup::default() };
-    let asked = Asked { rig, setup, wanted: wanted.clone(), travel: None, allowed };
+    // Ends that its user does not know are looked for, and touched.
+    let sought = machine.stops.is_some() && machine.limits.travel.is_none();
+    let travel = sought.then_some(TravelAsked::Find(ANGLE));
+    let asked = Asked { rig, setup, wanted: wanted.clone(), travel, allowed };
     let limits = allowed_of(machine);
     let mut case = Case {
         name: machine.name.clone(),
@@ -136,7 +142,9 @@ pub fn case(
         refused: None,
         peaks: Peaks::default(),
         limits,
-        creeping: CREEPING * machine.motor.gain() * machine.voltage_range,
+        creeping: if sought { GENTLE } else { CREEPING }
+            * machine.motor.gain()
+            * machine.voltage_range,
     };
     let known = match crate::run::look(&asked) {
         Ok(known) => known,
@@ -191,6 +199,7 @@ fn judge(
     let progress = Progress::new(1.0, true);
     let allowed = f64::INFINITY;
     let mut axis = Axis::new(&asked.rig, asked.setup, Arc::clone(stop), &progress, (allowed, 0.0));
+    let known = &found.met.known(known);
     axis.stay_within(known.travel);
     axis.calibrate(found.met.calibration);
     if !(found.met.tachometer && found.met.torque) {

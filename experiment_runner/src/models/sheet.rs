@@ -36,9 +36,12 @@ pub fn document(names: &[ModelName], preset: Preset) -> serde_json::Value {
             .table()
             .iter()
             .map(|row| {
+                let (_, conditions) = explained(row.meaning);
                 serde_json::json!({
                     "name": row.name,
                     "unit_rotary": row.unit.rotary(),
+                    "unit_linear": row.unit.linear(),
+                    "range": range(row, &conditions),
                     "value": values.get(row.name),
                     "meaning": row.meaning,
                 })

@@ -67,33 +67,9 @@ impl NodesBench {
     /// # Errors
     /// [`RigSetupError`] names the node that is missing or does not fit, and how to mend it.
     pub fn open(namespace: Option<String>, stop: Arc<AtomicBool>) -> Result<Self, RigSetupError> {
-        let discovery = Discovery::from_environment().map_err(said)?;
-        let given =
-            || std::env::var("ROS_NAMESPACE").ok().filter(|namespace| !namespace.is_empty());
-        let namespace = namespace.or_else(given);
-        let axis = namespace.as_deref().unwrap_or("").trim_matches('/');
-        let axis = if axis.is_empty() { String::new() } else { format!("/{axis}") };
-        let arguments =
-            Arguments { namespace, ..Arguments::default() }.or_enclave("/experiment_runner");
-        let participant = Participant::join_with(&discovery, arguments).map_err(said)?;
-        let link = Link::new(participant).map_err(said)?;
-        let missing = |name: &str, error: RosNodeError| {
-            RigSetupError::Nodes(format!(
-                "the node {axis}/{name} was not found on domain {}: {error}; `frictionlab launch` or `frictionlab live` start it",
-                discovery.domain
-            ))
-        };
-        let led = |led: &Led, name: &str, goal| match led.lifecycle.phase(FINDING) {
-            Err(error) => Err(missing(name, error)),
-            Ok(was) => {
-                led.lifecycle.lead_to(goal, FINDING).map_err(said)?;
-                Ok(was)
-            }
-        };
-        led(&link.rig, "rig_driver", Phase::Inactive)?;
-        led(&link.observer, "friction_observer", Phase::Active)?;
-        let controller_was_active =
-            led(&link.controller, "controller", Phase::Inactive)? == Phase::Active;
+        let (link, place) = found_link(namespace)?;
+        led(&link.observer, "friction_observer", Phase::Active, &place)?;
+        let controller_was_active = controller_at_rest(&link, &place)?;
         let period = measured_period(&link)?;
         let number = |of: &Led, name: &str| match of.parameters.get(&[name.to_owned()], FINDING) {
             Ok(values) => match values.get(name) {
@@ -215,6 +191,48 @@ impl Drop for NodesBench {
     }
 }
 
+/// Where the nodes of an axis are.
+#[derive(Debug, Clone)]
+pub(super) struct Place {
+    /// Their namespace, as in `/axis_1`; empty for the root.
+    pub(super) axis: String,
+    domain: u16,
+}
+
+/// Joins the graph beside the nodes of an axis, by its `namespace` (else `ROS_NAMESPACE`, else the
+/// root), and brings the motor to zero volts.
+pub(super) fn found_link(namespace: Option<String>) -> Result<(Link, Place), RigSetupError> {
+    let discovery = Discovery::from_environment().map_err(said)?;
+    let given = || std::env::var("ROS_NAMESPACE").ok().filter(|namespace| !namespace.is_empty());
+    let namespace = namespace.or_else(given);
+    let axis = namespace.as_deref().unwrap_or("").trim_matches('/');
+    let axis = if axis.is_empty() { String::new() } else { format!("/{axis}") };
+    let arguments =
+        Arguments { namespace, ..Arguments::default() }.or_enclave("/experiment_runner");
+    let participant = Participant::join_with(&discovery, arguments).map_err(said)?;
+    let link = Link::new(participant).map_err(said)?;
+    let place = Place { axis, domain: discovery.domain };
+    led(&link.rig, "rig_driver", Phase::Inactive, &place)?;
+    Ok((link, place))
+}
+
+/// Leads a node of the axis to a phase; in which it was.
+fn led(of: &Led, name: &str, goal: Phase, place: &Place) -> Result<Phase, RigSetupError> {
+    let was = of.lifecycle.phase(FINDING).map_err(|error| {
+        let Place { axis, domain } = place;
+        RigSetupError::Nodes(format!(
+            "the node {axis}/{name} was not found on domain {domain}: {error}; `frictionlab launch` or `frictionlab live` start it"
+        ))
+    })?;
+    of.lifecycle.lead_to(goal, FINDING).map_err(said)?;
+    Ok(was)
+}
+
+/// Lets the controller of the axis rest; whether it was active.
+pub(super) fn controller_at_rest(link: &Link, place: &Place) -> Result<bool, RigSetupError> {
+    Ok(led(&link.controller, "controller", Phase::Inactive, place)? == Phase::Active)
+}
+
 /// Sets `values`, and keeps in `own` what the node had before.
 fn set(of: &RemoteParameters, values: &Values, own: &mut Values) -> Result<(), RigError> {
     let said = |error: RosNodeError| RigError::Elsewhere(error.to_string());
@@ -226,7 +244,7 @@ fn set(of: &RemoteParameters, values: &Values, own: &mut Values) -> Result<(), R
 }
 
 /// The rig's period by its own clock \[s\].
-fn measured_period(link: &Link) -> Result<f64, RigSetupError> {
+pub(super) fn measured_period(link: &Link) -> Result<f64, RigSetupError> {
     link.begin(false);
     let until = Instant::now() + PATIENCE;
     let mut first: Option<(Instant, rig_driver::Measurement)> = None;
@@ -247,6 +265,6 @@ fn measured_period(link: &Link) -> Result<f64, RigSetupError> {
     ))
 }
 
-fn said(error: RosNodeError) -> RigSetupError {
+pub(super) fn said(error: RosNodeError) -> RigSetupError {
     RigSetupError::Nodes(error.to_string())
 }

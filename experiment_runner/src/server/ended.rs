@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use crate::errand::{Carried, Ending};
 use crate::run::{RunError, RunResults};
 
 /// An experiment that was started.
@@ -21,6 +22,35 @@ pub struct Started {
 pub struct Ended {
     /// Which.
     pub started: Started,
-    /// What was found, also if it was stopped; or why it failed.
-    pub results: Result<RunResults, Arc<RunError>>,
+    /// What came of it.
+    pub came: Came,
+}
+
+/// What came of an experiment, or of work beside experiments.
+#[derive(Debug, Clone)]
+pub enum Came {
+    /// What an experiment found, also if it was stopped; or why it failed.
+    Run(Box<Result<RunResults, Arc<RunError>>>),
+    /// What came of other work.
+    Errand(Carried),
+}
+
+impl Ended {
+    /// Whether it did not fail.
+    #[must_use]
+    pub fn is_done(&self) -> bool {
+        match &self.came {
+            Came::Run(results) => results.is_ok(),
+            Came::Errand(carried) => carried.ending == Ending::Complete,
+        }
+    }
+
+    /// What an experiment found; none of other work, or where it failed.
+    #[must_use]
+    pub fn results(&self) -> Option<&RunResults> {
+        match &self.came {
+            Came::Run(results) => results.as_ref().as_ref().ok(),
+            Came::Errand(_) => None,
+        }
+    }
 }

@@ -2,20 +2,30 @@
 
 use std::path::PathBuf;
 
-use clap::Arg;
+use clap::{Arg, Command};
 use msgs::friction_msgs::{ExperimentDescription, ExperimentParameter};
 
 use super::permissions::Permissions;
 use super::request::{ExperimentRequest, NOT_OF_RUN, run_command};
+use crate::errand::Errands;
 use crate::experiments;
 use crate::run::experiment::Selection;
 use rig_setup::RigChoice;
 
-/// Every experiment, with what it can be told and how long it takes.
+/// Every experiment and what is offered beside them, with what each can be told and how long it
+/// takes.
 #[must_use]
-pub fn descriptions() -> Vec<ExperimentDescription> {
-    let parameters = parameters();
-    experiments::selections()
+pub fn descriptions(errands: &Errands) -> Vec<ExperimentDescription> {
+    let parameters = parameters(&run_command(), &NOT_OF_RUN);
+    let experiments = experiments::selections();
+    let errands = errands.0.iter().map(|errand| ExperimentDescription {
+        name: errand.name().to_owned(),
+        description: errand.about().to_owned(),
+        duration: errand.rig_seconds(),
+        quick_duration: errand.rig_seconds(),
+        parameters: self::parameters(&errand.command(), errand.reserved()),
+    });
+    experiments
         .iter()
         .map(|experiment| ExperimentDescription {
             name: experiment.as_str().to_owned(),
@@ -24,6 +34,7 @@ pub fn descriptions() -> Vec<ExperimentDescription> {
             quick_duration: duration(experiment, true),
             parameters: parameters.clone(),
         })
+        .chain(errands)
         .collect()
 }
 
@@ -42,10 +53,9 @@ fn duration(experiment: &Selection, quick: bool) -> f64 {
         .map_or(f64::NAN, |options| options.rig_seconds())
 }
 
-fn parameters() -> Vec<ExperimentParameter> {
-    let command = run_command();
+fn parameters(command: &Command, reserved: &[&str]) -> Vec<ExperimentParameter> {
     let told = |arg: &&Arg| {
-        !arg.is_hide_set() && arg.get_long().is_some_and(|long| !NOT_OF_RUN.contains(&long))
+        !arg.is_hide_set() && arg.get_long().is_some_and(|long| !reserved.contains(&long))
     };
     command.get_arguments().filter(told).map(parameter).collect()
 }
@@ -75,7 +85,7 @@ mod tests {
 
     #[test]
     fn every_experiment_says_what_it_does_and_how_long_it_takes() {
-        let listed = descriptions();
+        let listed = descriptions(&Errands::default());
         assert_eq!(listed.len(), experiments::selections().len());
         for experiment in &listed {
             assert!(!experiment.description.is_empty(), "{experiment:?}");

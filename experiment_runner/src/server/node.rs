@@ -25,15 +25,20 @@ use super::parameters::RunnerParameters;
 use super::permissions::Permissions;
 use super::request::ExperimentRequest;
 use super::{Refusal, identification, listing, outcome};
+use crate::errand::Errands;
 use crate::run::Beside;
 
 /// The executable `experiment_runner`: the node with its parameters, until the wish to end.
 ///
 /// # Errors
 /// [`RosNodeError`] if the middleware refuses, or a parameter that was given does not fit.
-pub fn run(participant: &Participant, stop: &Stop, beside: Beside) -> Result<(), RosNodeError> {
+pub fn run(
+    participant: &Participant,
+    stop: &Stop,
+    (beside, errands): (Beside, Errands),
+) -> Result<(), RosNodeError> {
     let node = participant.node("experiment_runner")?;
-    let runner = ManagedRunner::new(&node, beside)?;
+    let runner = ManagedRunner::new(&node, (beside, errands))?;
     while !stop.wait(Duration::from_secs(1)) {}
     node.logger().info("leaving");
     // The experiment ends and its result is sent before the node goes.
@@ -52,7 +57,7 @@ impl ManagedRunner {
     ///
     /// # Errors
     /// [`RosNodeError`] if the middleware refuses, or a parameter that was given does not fit.
-    pub fn new(node: &RosNode, beside: Beside) -> Result<Self, RosNodeError> {
+    pub fn new(node: &RosNode, (beside, errands): (Beside, Errands)) -> Result<Self, RosNodeError> {
         let usual = UsualRig::default();
         let named = usual.clone();
         let axis = node.identity().namespace.clone();
@@ -79,7 +84,7 @@ impl ManagedRunner {
             let node = node.identity().qualified();
             RosNodeError::Parameters { node, reason: error.to_string() }
         })?;
-        let runner = Runner::new(node, permissions.and(beside), usual)?;
+        let runner = Runner::new(node, permissions.and(beside).offering(errands), usual)?;
         runner.desk.close(Refusal::Inactive, Duration::ZERO);
         let lifecycle = Lifecycle::start(node, Box::new(Management(runner.desk.clone())))?;
         if said.autostart && lifecycle.request(Requested::Configure).is_ok() {
@@ -153,7 +158,7 @@ impl Runner {
             // A status that does not get through is followed by the next.
             let _ = status.publish(message);
         };
-        let for_recordings = permissions.clone();
+        let (for_recordings, errands) = (permissions.clone(), *permissions.errands());
         let desk = Desk::new(permissions, usual, Box::new(announce));
         let goals = Goals { desk: desk.clone(), cancels: Arc::default() };
         let (starts, aborts) = (desk.clone(), desk.clone());
@@ -162,8 +167,8 @@ impl Runner {
         node.serve::<StartExperiment>("~/start_experiment", move |asked| {
             start(&starts, asked.into())
         })?;
-        node.serve::<ListExperiments>("~/list_experiments", |_| ListExperimentsResponse {
-            experiments: listing::descriptions(),
+        node.serve::<ListExperiments>("~/list_experiments", move |_| ListExperimentsResponse {
+            experiments: listing::descriptions(&errands),
         })?;
         node.serve::<Identify>("~/identify", move |asked| {
             identification::identify(&asked, &for_recordings, &cancel)

@@ -1,12 +1,15 @@
 //! What came of an experiment, as messages.
 
+use std::sync::Arc;
+
 use controller::ControlMode;
 use msgs::friction_msgs::{EstimatedParameter, Figure, RunExperimentResult};
 
 use super::Refusal;
-use super::ended::{Ended, Started};
+use super::ended::{Came, Ended, Started};
 use crate::characterise::Measured;
-use crate::run::{BreakawayFigures, Characterisation, Comparison, RunResults, Status};
+use crate::errand::Ending;
+use crate::run::{BreakawayFigures, Characterisation, Comparison, RunError, RunResults, Status};
 
 /// The result of a request that was refused.
 #[must_use]
@@ -27,16 +30,16 @@ pub fn result(ended: &Ended) -> RunExperimentResult {
         let path = folder.join(name);
         if path.exists() { path.display().to_string() } else { String::new() }
     };
-    let (outcome, parameters, figures) = match &ended.results {
-        Ok(results) => {
-            let outcome = match (results.status, &results.ended) {
-                (_, Some(_)) => RunExperimentResult::FAILED,
-                (Status::Complete, None) => RunExperimentResult::SUCCEEDED,
-                (Status::Interrupted, None) => RunExperimentResult::CANCELED,
+    let (outcome, parameters, figures) = match &ended.came {
+        Came::Errand(carried) => {
+            let outcome = match carried.ending {
+                Ending::Complete => RunExperimentResult::SUCCEEDED,
+                Ending::Stopped => RunExperimentResult::CANCELED,
+                Ending::Failed => RunExperimentResult::FAILED,
             };
-            (outcome, parameters(results), figures(results))
+            (outcome, carried.parameters.clone(), Vec::new())
         }
-        Err(_) => (RunExperimentResult::FAILED, Vec::new(), Vec::new()),
+        Came::Run(results) => of_run(results),
     };
     RunExperimentResult {
         success: outcome == RunExperimentResult::SUCCEEDED,
@@ -52,11 +55,32 @@ pub fn result(ended: &Ended) -> RunExperimentResult {
     }
 }
 
+/// Outcome, parameters and figures of an experiment.
+fn of_run(
+    results: &Result<RunResults, Arc<RunError>>,
+) -> (u8, Vec<EstimatedParameter>, Vec<Figure>) {
+    match results {
+        Ok(results) => {
+            let outcome = match (results.status, &results.ended) {
+                (_, Some(_)) => RunExperimentResult::FAILED,
+                (Status::Complete, None) => RunExperimentResult::SUCCEEDED,
+                (Status::Interrupted, None) => RunExperimentResult::CANCELED,
+            };
+            (outcome, parameters(results), figures(results))
+        }
+        Err(_) => (RunExperimentResult::FAILED, Vec::new(), Vec::new()),
+    }
+}
+
 /// One sentence on how it ended.
 #[must_use]
 pub fn message(ended: &Ended) -> String {
     let Started { run_id, folder, .. } = &ended.started;
-    match &ended.results {
+    let results = match &ended.came {
+        Came::Errand(carried) => return format!("{run_id}: {}", carried.message),
+        Came::Run(results) => results.as_ref(),
+    };
+    match results {
         Ok(results) => {
             let timing = &results.timing;
             if let Some(reason) = &results.ended {

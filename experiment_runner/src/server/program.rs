@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use super::node;
+use crate::errand::Errands;
 use crate::run::Beside;
 
 const ABOUT: &str = "\
@@ -13,8 +14,9 @@ Offers the action ~/run_experiment and the services ~/start_experiment, ~/list_e
   experiment_runner --ros-args -p runs:=/data/runs";
 
 /// Runs the node as a program of its own; `given` are the words behind the program's name.
-/// What it has `beside` experiments and identification comes from its author.
-pub fn program(given: Vec<String>, beside: Beside) -> ExitCode {
+/// What it has `beside` experiments and identification, and what it `offers` besides, comes from its
+/// author.
+pub fn program(given: Vec<String>, beside: Beside, offers: Errands) -> ExitCode {
     // An experiment under way leaves a whole bag.
     ros_node::ends_within(ros_node::ENDS_WITHIN_WRITING);
     ros_node::run(
@@ -22,6 +24,6 @@ pub fn program(given: Vec<String>, beside: Beside) -> ExitCode {
         env!("CARGO_PKG_VERSION"),
         ABOUT,
         given,
-        move |participant, stop| node::run(participant, stop, beside),
+        move |participant, stop| node::run(participant, stop, (beside, offers)),
     )
 }

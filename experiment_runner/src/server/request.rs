@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use clap::builder::ValueParser;
-use clap::{Arg, Args, Command, CommandFactory, FromArgMatches, Parser};
+use clap::{Arg, Args, Command};
 use msgs::friction_msgs::{IdentifyRequest, RunExperimentGoal, Setting, StartExperimentRequest};
 use rig_driver::safety::SafetyLimits;
 
@@ -11,6 +11,7 @@ use super::Refusal;
 use super::permissions::Permissions;
 use crate::asked::RunArgs;
 use crate::asked::rig::choose;
+use crate::errand::Prepared;
 use crate::experiments;
 use crate::run::RunOptions;
 use crate::run::experiment::Selection;
@@ -100,7 +101,9 @@ impl ExperimentRequest {
         permissions: &Permissions,
     ) -> Result<RunOptions, Refusal> {
         let Some(experiment) = experiments::selection(&self.experiment) else {
-            let known: Vec<_> = experiments::selections().iter().map(Selection::as_str).collect();
+            let mut known: Vec<_> =
+                experiments::selections().iter().map(Selection::as_str).collect();
+            known.extend(permissions.errands().0.iter().map(|errand| errand.name()));
             return Err(Refusal::BadRequest(format!(
                 "there is no experiment `{}`; expected one of {}",
                 self.experiment,
@@ -121,20 +124,68 @@ impl ExperimentRequest {
         let mut args: RunArgs = parse(&line)?;
         let rig = permissions.rig(args.rig.clone().unwrap_or_else(|| usual.clone()))?;
         args.rig_file = permissions.profile_of(&rig).map(Path::to_owned);
+        raises_no_limit(&rig, args.rig_file.as_deref(), args.voltage_limit)?;
         args.rig = Some(rig);
-        raises_no_limit(&args)?;
         crate::asked::options(&args, permissions.besides())
             .map_err(|error| Refusal::BadRequest(format!("{error:#}")))
     }
 }
 
+/// Work beside experiments that was asked for.
+pub struct Asked {
+    /// Its name.
+    pub name: &'static str,
+    /// What is to be done.
+    pub prepared: Box<dyn Prepared>,
+}
+
+impl ExperimentRequest {
+    /// The work beside experiments that is asked for; none for an experiment.
+    ///
+    /// # Errors
+    /// As for [`options`](Self::options).
+    pub fn errand(
+        &self,
+        usual: &RigChoice,
+        permissions: &Permissions,
+    ) -> Result<Option<Asked>, Refusal> {
+        let Some(errand) = permissions.errands().named(&self.experiment) else { return Ok(None) };
+        if !self.models.is_empty() || self.repetitions > 0 {
+            return Err(Refusal::BadRequest(format!(
+                "{} takes no models and no repetitions: leave both out",
+                errand.name()
+            )));
+        }
+        let value = |name: &str| {
+            let found = self.overrides.iter().find(|setting| option(&setting.name) == name);
+            found.map(|setting| setting.value.trim())
+        };
+        let named = value("rig").map(str::parse::<RigChoice>).transpose();
+        let named = named.map_err(|error| Refusal::BadRequest(error.to_string()))?;
+        let rig = permissions.rig(named.unwrap_or_else(|| usual.clone()))?;
+        let profile = permissions.profile_of(&rig);
+        raises_no_limit(&rig, profile, value("voltage-limit").and_then(|text| text.parse().ok()))?;
+        let mut given: Vec<Setting> = self.overrides.clone();
+        given.retain(|setting| !["rig", "resume"].contains(&option(&setting.name).as_str()));
+        let mut line = settings(&errand.command(), errand.reserved(), &given, permissions)?;
+        if let Some(name) = value("resume") {
+            line.push(format!("--resume={}", text(&permissions.begun(name)?)?));
+        }
+        let prepared = errand.prepare(&line, &rig, profile).map_err(Refusal::BadRequest)?;
+        Ok(Some(Asked { name: errand.name(), prepared }))
+    }
+}
+
 /// Refuses what would raise the limits of a real rig: they are those of its profile, or the usual
 /// ones.
-fn raises_no_limit(args: &RunArgs) -> Result<(), Refusal> {
-    let real = args.rig.as_ref().is_some_and(RigChoice::is_opened);
-    let Some(asked) = args.voltage_limit.filter(|_| real) else { return Ok(()) };
-    let chosen = choose(args.rig.as_ref(), args.rig_file.as_deref())
-        .map_err(|error| Refusal::BadRequest(error.to_string()))?;
+fn raises_no_limit(
+    rig: &RigChoice,
+    profile: Option<&Path>,
+    asked: Option<f64>,
+) -> Result<(), Refusal> {
+    let Some(asked) = asked.filter(|_| rig.is_opened()) else { return Ok(()) };
+    let chosen =
+        choose(Some(rig), profile).map_err(|error| Refusal::BadRequest(error.to_string()))?;
     let limit = chosen.limits(None).voltage.unwrap_or(SafetyLimits::default().voltage);
     if asked <= limit {
         return Ok(());
@@ -199,20 +250,12 @@ pub(super) fn run_command() -> Command {
     RunArgs::augment_args(Command::new("run"))
 }
 
-#[derive(Debug, Parser)]
-#[command(no_binary_name = true, disable_help_flag = true)]
-struct Line<A: Args> {
-    #[command(flatten)]
-    args: A,
-}
-
 /// Reads a command line.
-pub(super) fn parse<A: Args>(line: &[String]) -> Result<A, Refusal> {
-    let mut command = Line::<A>::command();
-    command
-        .try_get_matches_from_mut(line)
-        .and_then(|found| Line::<A>::from_arg_matches(&found))
-        .map_or_else(|error| Err(Refusal::BadRequest(sentence(&error))), |Line { args }| Ok(args))
+///
+/// # Errors
+/// [`Refusal::BadRequest`] says in a sentence what was wrong.
+pub fn parse<A: Args>(line: &[String]) -> Result<A, Refusal> {
+    work::line::parse(line).map_err(|error| Refusal::BadRequest(error.0))
 }
 
 /// An option's name, however it is written: `voltage_limit` and `--voltage-limit` are one.
@@ -266,16 +309,6 @@ fn settings(
         }
     }
     Ok(line)
-}
-
-/// What clap says, without what only a terminal is interested in.
-fn sentence(error: &clap::Error) -> String {
-    let text = error.render().to_string();
-    let end =
-        ["\n\nUsage:", "\n\nFor more information"].iter().filter_map(|mark| text.find(mark)).min();
-    let text = text.get(..end.unwrap_or(text.len())).unwrap_or(&text);
-    let words: Vec<&str> = text.trim_start_matches("error:").split_whitespace().collect();
-    words.join(" ")
 }
 
 #[cfg(test)]

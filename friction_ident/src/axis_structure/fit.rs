@@ -19,6 +19,9 @@ use crate::residual_whiteness::effective_share;
 use crate::rigid_axis::Prediction;
 use crate::robust_covariance::Course;
 
+/// Standard errors below zero from which an inertia is clearly negative.
+const CLEARLY: f64 = 2.0;
+
 /// A structure fitted to a recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StructureFit {
@@ -107,7 +110,7 @@ impl StructureFit {
         if self.structure.delay {
             notes.push(
                 "The delay is that of the force against the motion: an input that is held over a sample contributes half a sample, and a \
-                 delay of the force cannot be told from a lead of the position."
+                 delay of the force cannot be told from a lead of the position. Below zero, the force was recorded late."
                     .to_owned(),
             );
         }
@@ -139,7 +142,7 @@ impl StructureFit {
 /// Fits `structure` to the whole recording.
 ///
 /// The delay, the Stribeck velocity, the bristle's displacement and the period are searched within
-/// bounds that the recording sets (delay up to ten samples, Stribeck velocity up to a quarter of
+/// bounds that the recording sets (delay up to ten samples either way, Stribeck velocity up to a quarter of
 /// the largest speed, beyond which the curve cannot be told from viscous friction, displacement up
 /// to a tenth of the travel, period from a 200th to twice the travel).
 ///
@@ -169,11 +172,12 @@ pub fn fit_structure(
     profile::intervals(&mut search, &best, &whole, &rises, &mut estimates);
     doubts::judge(&structure, &mut estimates);
     stability::judge(&mut search, &best, &whole, &mut estimates);
-    if let Some(inertia) = estimates.parameters.first().filter(|inertia| inertia.value <= 0.0) {
-        return Err(IdentError::NegativeInertia {
-            value: inertia.value,
-            standard_error: inertia.standard_error.unwrap_or(f64::NAN),
-        });
+    if let Some(inertia) = estimates.parameters.first() {
+        // One that the recording does not determine may come out on either side.
+        let standard_error = inertia.standard_error.unwrap_or(0.0);
+        if inertia.value <= -CLEARLY * standard_error {
+            return Err(IdentError::NegativeInertia { value: inertia.value, standard_error });
+        }
     }
     let squares = solution.residual.norm_squared();
     Ok(StructureFit {

@@ -23,6 +23,12 @@ struct Group {
     columns: Vec<Vec<f64>>,
 }
 
+/// That a regression has too few rows.
+fn too_few(needed: usize, found: usize) -> IdentError {
+    let what = "the regression, after trimming and decimation,";
+    IdentError::TooFewSamples { what, needed, found, lower: Some("the trim or the decimation") }
+}
+
 /// Regressors of one structure along one recording.
 pub(super) struct Regressors<'a> {
     recording: &'a Conditioned,
@@ -56,14 +62,8 @@ impl<'a> Regressors<'a> {
         if structure.needs_position() && recording.position.is_none() {
             return Err(IdentError::NoPosition { structure });
         }
-        let (found, needed) = (rows.count(), 4 * structure.parameters());
-        if found < needed {
-            return Err(IdentError::TooFewSamples {
-                what: "the regression, after trimming and decimation,",
-                needed,
-                found,
-                lower: Some("the trim or the decimation"),
-            });
+        if rows.count() == 0 {
+            return Err(too_few(1, 0));
         }
         let position = recording.position.as_deref().filter(|_| structure.position);
         let place = position.unwrap_or_default().iter().map(|&x| scale.normalised(x)).collect();
@@ -85,6 +85,12 @@ impl<'a> Regressors<'a> {
         let force = made.fixed.pop().unwrap_or_default();
         made.force = DVector::from_vec(made.rows.read(&force, 0.0));
         Ok(made)
+    }
+
+    /// Whether there are rows enough for a fit; a prediction needs none.
+    pub fn enough(&self) -> Result<(), IdentError> {
+        let (found, needed) = (self.count(), 4 * self.structure.parameters());
+        if found < needed { Err(too_few(needed, found)) } else { Ok(()) }
     }
 
     /// How many rows there are.

@@ -52,19 +52,21 @@ impl<'a> Rows<'a> {
         if decimate == 1 { f64::INFINITY } else { PASS / (decimate as f64 * time_step) }
     }
 
-    /// A column on the kept rows, read `delay` samples later, never beyond its own stretch.
+    /// A column on the kept rows, read `delay` samples later (earlier where that is below zero),
+    /// never beyond its own stretch.
     pub fn read(&self, column: &[f64], delay: f64) -> Vec<f64> {
         let factor = self.recording.decimate;
         let mut rows = Vec::with_capacity(self.recording.pieces.len() * 8);
-        let (later, t) = (delay.floor() as usize, delay - delay.floor());
+        let (later, t) = (delay.floor() as isize, delay - delay.floor());
         let weights = cubic(t);
         for piece in &self.recording.pieces {
             let own = column.get(piece.kept.clone()).unwrap_or_default();
             rows.extend((0..rows_of(piece, factor)).map(|k| {
-                let at = k * factor + later;
-                match own.get(at.wrapping_sub(1)..at + 3) {
-                    Some(near) if t > 0.0 => near.iter().zip(&weights).map(|(y, w)| y * w).sum(),
-                    _ => read(own, at as f64 + t),
+                let at = (k * factor) as isize + later;
+                let first = usize::try_from(at - 1).ok().filter(|_| t > 0.0);
+                match first.and_then(|first| own.get(first..first + 4)) {
+                    Some(near) => near.iter().zip(&weights).map(|(y, w)| y * w).sum(),
+                    None => read(own, at as f64 + t),
                 }
             }));
         }
@@ -94,6 +96,7 @@ pub(crate) fn rows_of(piece: &Piece, factor: usize) -> usize {
 
 /// A column between its samples, by the cubic through the four around it.
 pub(crate) fn read(column: &[f64], at: f64) -> f64 {
+    let at = at.max(0.0);
     let i = at.floor() as usize;
     let t = at - i as f64;
     let value =

@@ -53,6 +53,7 @@ impl<'a> Search<'a> {
         scale: PositionScale,
     ) -> Result<Self, IdentError> {
         let regressors = Regressors::new(recording, structure, scale)?;
+        regressors.enough()?;
         Ok(Self { regressors, limits: Limits::of(recording), structure, rows: None })
     }
 
@@ -244,7 +245,7 @@ impl<'a> Search<'a> {
         terms: &[ShapeTerm],
     ) -> Result<Vec<DVector<f64>>, IdentError> {
         let (low, high) = (self.limits.low.delay, self.limits.high.delay);
-        let h = 1e-4 * shape.delay.max(1e-2 * high);
+        let h = 1e-4 * shape.delay.abs().max(1e-2 * high);
         let delays = [shape.delay - h, shape.delay + h].map(|delay| delay.clamp(low, high));
         self.regressors.slopes(terms, shape, delays, linear)
     }

@@ -6,13 +6,13 @@ use super::AxisStructure;
 use crate::bounded::Bound;
 use crate::conditioning::Conditioned;
 
-/// Longest delay that is considered, in samples.
+/// Longest delay that is considered, and longest lag of the recorded force, in samples.
 pub(crate) const LONGEST_DELAY: usize = 10;
 
 /// Values of the nonlinear parameters; those that a structure does not have have no effect.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Shape {
-    /// How much later the force acts than it was recorded \[s\].
+    /// How much later the force acts than it was recorded \[s\]; below zero, it was recorded late.
     pub delay: f64,
     /// Stribeck velocity v_s \[m/s or rad/s\].
     pub v_s: f64,
@@ -98,7 +98,7 @@ impl Limits {
         let fastest = fastest.max(f64::MIN_POSITIVE);
         Self {
             low: Shape {
-                delay: 0.0,
+                delay: -(LONGEST_DELAY as f64) * recording.time_step,
                 v_s: 5e-3 * fastest,
                 displacement: 1e-6 * travel,
                 period: travel / 200.0,

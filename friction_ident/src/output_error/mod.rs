@@ -32,8 +32,9 @@ use friction_model::AnyModel;
 use crate::IdentError;
 use crate::axis_term::AxisTerm;
 use crate::bounded::{Ending, Minimum, Patience, Residuals, Step, minimise};
-use crate::estimate::{Estimates, robust_errors};
+use crate::estimate::{Doubt, Estimates, Verdict, robust_errors};
 use crate::free_parameters::FreeParameters;
+use crate::near_rest::{LeftNearRest, left_near_rest};
 use crate::place::regressor;
 use crate::position_load::{self, LoadShape, PositionLoad};
 use crate::residual_whiteness::effective_share;
@@ -114,6 +115,8 @@ pub struct OutputErrorFit {
     pub settled: bool,
     /// Simulations of the whole data. One that carries up to eight derivatives counts as one.
     pub evaluations: usize,
+    /// What it leaves near rest, where the model lacks something there.
+    pub left: Option<LeftNearRest>,
 }
 
 /// How the fit is done.
@@ -231,8 +234,37 @@ pub fn fit_output_error(
         let course = Course { pieces: &pieces, motion: &problem.motion() };
         robust_errors(&minimum, &course, &mut estimates);
     }
+    let left = if exact { None } else { left(&problem, minimum.residuals.as_slice(), data) };
+    if let Some(left) = &left {
+        distrust_near_rest(&mut estimates, left);
+    }
     let rms = prediction_rms(&Predictor { model, load }, data);
-    Ok(OutputErrorFit { model, load, estimates, rms, ending, settled, evaluations: problem.runs() })
+    let evaluations = problem.runs();
+    Ok(OutputErrorFit { model, load, estimates, rms, ending, settled, evaluations, left })
+}
+
+/// What the residuals (predicted less measured) repeat near rest.
+fn left(problem: &OutputError, residuals: &[f64], data: &Measured) -> Option<LeftNearRest> {
+    let points = data.points.len();
+    let motion = problem.motion();
+    let [velocity, _, way] = [0, 1, 2].map(|of| motion.get(of).and_then(|all| all.get(points..)));
+    let left: Vec<f64> = residuals.get(points..)?.iter().map(|r| -r).collect();
+    let size = (data.square() / data.len().max(1) as f64).sqrt();
+    left_near_rest(&left, size, velocity?, way?)
+}
+
+/// Parameters of sliding at speed, and of what acts beside friction. All others act near rest.
+const FAR_FROM_REST: [&str; 6] = ["f_c", "f_v", "offset", "spring", "gravity_sin", "gravity_cos"];
+
+/// Says of the parameters that act near rest that something else has taken part in them.
+fn distrust_near_rest(estimates: &mut Estimates, left: &LeftNearRest) {
+    for estimate in &mut estimates.parameters {
+        if estimate.is_identified() && !FAR_FROM_REST.contains(&estimate.id.name) {
+            let doubt = Doubt::NotToBeTrusted { why: left.to_string() };
+            let remedy = "a model that has it, or slow motion in which both show apart";
+            estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
+        }
+    }
 }
 
 /// Root mean square of predicted minus measured force over all points and samples.

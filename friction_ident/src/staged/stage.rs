@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::estimate::Estimates;
+use crate::near_rest::LeftNearRest;
 
 /// Which stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
@@ -44,6 +45,9 @@ pub struct StageResult {
     pub rms: f64,
     /// The parameters it estimated.
     pub estimates: Estimates,
+    /// What it leaves near rest, where the model lacks something there.
+    #[serde(skip)]
+    pub left: Option<LeftNearRest>,
 }
 
 /// Parameters of the static characteristic.

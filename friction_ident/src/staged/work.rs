@@ -178,6 +178,7 @@ impl<'a> Work<'a> {
             samples: 0,
             rms: 0.0,
             estimates,
+            left: None,
         });
         Ok(model)
     }
@@ -234,7 +235,8 @@ impl<'a> Work<'a> {
     }
 
     fn keep(&mut self, stage: Stage, samples: usize, fit: OutputErrorFit) -> AnyModel {
-        self.stages.push(StageResult { stage, samples, rms: fit.rms, estimates: fit.estimates });
+        let OutputErrorFit { rms, estimates, left, .. } = fit;
+        self.stages.push(StageResult { stage, samples, rms, estimates, left });
         fit.model
     }
 

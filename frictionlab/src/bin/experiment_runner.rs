@@ -3,5 +3,6 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    experiment_runner::server::program(ros_node::command_line(), thesis::BESIDE)
+    let offers = frictionlab::cli::ERRANDS;
+    experiment_runner::server::program(ros_node::command_line(), thesis::BESIDE, offers)
 }

@@ -2,20 +2,13 @@
 //! that found it know of neither.
 
 use experiment_runner::run::RunError;
-use files::{OutputError, is_of_the_path};
-use recording::RecordingError;
-use recording::bag::BagError;
-use recording::column::Channel;
+use identification::asked::mending::{self, of_bag, of_output};
 use rig_driver::RigError;
 use rig_setup::RigSetupError;
 
 /// What to add to the error; nothing where it says all there is to say.
 pub(super) fn advice(error: &anyhow::Error) -> String {
-    let of = error
-        .downcast_ref()
-        .map(of_output)
-        .or_else(|| error.downcast_ref().map(of_bag))
-        .or_else(|| error.downcast_ref().map(of_recording))
+    let of = mending::mending(error)
         .or_else(|| error.downcast_ref().map(of_setup))
         .or_else(|| error.downcast_ref().map(of_run));
     #[cfg(feature = "ros")]
@@ -24,86 +17,6 @@ pub(super) fn advice(error: &anyhow::Error) -> String {
         .or_else(|| error.downcast_ref().map(ros::of_record))
         .or_else(|| error.downcast_ref().map(ros::of_node));
     of.unwrap_or_default()
-}
-
-fn of_output(error: &OutputError) -> String {
-    match error {
-        OutputError::NotEmpty(_) => " (--out DIR, --force)",
-        OutputError::Exists(_) => " (--out FILE, --force)",
-        OutputError::IsFolder(_) => " (--out FILE)",
-        OutputError::NoFolder(_) => " (--out DIR)",
-        OutputError::Write { source, .. } if is_of_the_path(source) => " (--out)",
-        _ => "",
-    }
-    .to_owned()
-}
-
-fn of_bag(error: &BagError) -> String {
-    match error {
-        BagError::WriteMcap { .. } | BagError::Damaged { .. } => {
-            "; `frictionlab bag recover` saves everything that is whole"
-        }
-        _ => "",
-    }
-    .to_owned()
-}
-
-fn of_recording(error: &RecordingError) -> String {
-    match error {
-        RecordingError::NoColumn { channel, .. } => format!(" ({} NAME)", option(*channel)),
-        RecordingError::Unrecognised { channel, .. } => {
-            let option = option(*channel);
-            let unit = channel.unit();
-            let period = if *channel == Channel::Time {
-                "; where there is none, --period SECONDS gives the time from row to row"
-            } else {
-                ""
-            };
-            format!(
-                ": {option} NAME, or {option} NAME:SCALE where SCALE turns its values into {unit}{period}"
-            )
-        }
-        RecordingError::TimeTwice { .. } => " (--period)".to_owned(),
-        RecordingError::TwoAxes { force, .. } => format!(" (--force-column '{force}:FACTOR')"),
-        RecordingError::CoarseTimes { .. } => {
-            ": --time NAME names a finer one, and --period SECONDS gives the time from row to row of a table"
-                .to_owned()
-        }
-        RecordingError::Form { form: "a JSON file", .. } => {
-            " (`frictionlab identify-servo` reads it then)".to_owned()
-        }
-        RecordingError::Joined { .. } => " (--beside TABLE)".to_owned(),
-        RecordingError::Unit { source, .. } => {
-            format!(" ({} NAME:SCALE)", option(source.channel))
-        }
-        RecordingError::Irregular { rate, .. } => format!(" (--resample {rate})"),
-        RecordingError::ResampleRate { .. } => " (--resample HZ)".to_owned(),
-        RecordingError::SeveralJoints { .. } | RecordingError::NoJoint { .. } => {
-            " (--joint NAME)".to_owned()
-        }
-        RecordingError::EffortMeaning { .. } => {
-            " (--effort driving or --effort friction)".to_owned()
-        }
-        RecordingError::TimeUnit { column, scale, .. } => format!(" (--time {column}:{scale:e})"),
-        RecordingError::NoEffort { voltage: true, .. } => " (--torque-from-voltage)".to_owned(),
-        RecordingError::Bag(error) => of_bag(error),
-        _ => String::new(),
-    }
-}
-
-/// The option that chooses a column.
-const fn option(channel: Channel) -> &'static str {
-    match channel {
-        Channel::Time => "--time",
-        Channel::Position => "--position",
-        Channel::Velocity => "--velocity",
-        Channel::Force => "--force-column",
-        Channel::Voltage => "--voltage",
-        Channel::DrivingVoltage | Channel::Current => "--force-column",
-        Channel::Friction => "--friction",
-        Channel::Angle => "--angle",
-        Channel::Pendulum => "--pendulum",
-    }
 }
 
 fn of_setup(error: &RigSetupError) -> String {
@@ -183,18 +96,11 @@ mod ros {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use files::OutputError;
+    use recording::RecordingError;
+    use recording::bag::BagError;
 
-    #[test]
-    fn a_voltage_in_place_of_a_force_is_named_by_the_option_of_the_force() {
-        for (channel, option) in
-            [(Channel::DrivingVoltage, "--force-column"), (Channel::Voltage, "--voltage")]
-        {
-            let (path, present) = ("run.csv".into(), "t, q".to_owned());
-            let error = RecordingError::Unrecognised { path, channel, present };
-            assert!(advice(&error.into()).contains(option));
-        }
-    }
+    use super::*;
 
     #[test]
     fn the_option_is_named_behind_whatever_the_error_came_through() {

@@ -1,154 +1,27 @@
 //! `frictionlab commission`: from an unknown motor to a compensated one.
 
 use std::io::{BufRead, IsTerminal};
-use std::path::PathBuf;
 
-use commission::dossier::{Identity, Simulated};
-use commission::friction::wanted::Wanted;
 use commission::hand_over::{believed, summary};
-use commission::run::{identity, look};
+use commission::run::clear;
 use commission::trial::Trial;
-use commission::{Asked, CommissionError, Dossier, Stage};
-use experiment_runner::asked::rig::{Chosen, RigParser, choose};
+use experiment_runner::asked::rig::choose;
 use experiment_runner::protocol::ConstantVelocityProtocol;
-use friction_model::{AnyModel, ModelName};
-use rig_driver::{Miswiring, RigRegistry};
-use rig_setup::{RigChoice, RigSetup};
-use work::destination::ToFolder;
-use work::model_name::model_name;
+use rig_setup::RigChoice;
+use work::BadInput;
 use work::progress::Progress;
-use work::saying::Saying;
-use work::suggestion::did_you_mean;
-use work::{BadInput, Interrupted};
 
+pub use super::commission_args::CommissionArgs;
+use super::commission_planned::{asked, checked, ended, planned};
 use super::commission_words::worded;
 use crate::interruption;
-
-/// From an unknown motor to a compensated one, in minutes
-///
-/// The stages, each with a file of its own in the folder of results:
-///
-///   meet       signs, zeros and noise; slow ramps until the shaft moves
-///   drive      gain, time constant and delay
-///   friction   blocks of constant speed, each chosen for what it tells; after each the curve is
-///              fitted anew, until --want is met, nothing more is to be gained, or time is up
-///   model      which curve predicts a block that was kept back
-///   control    linear gains from margins, delay and noise; what is fed forward beside them
-///   proof      before and after in alternating blocks, with a 95 % interval
-///   hand-over  parameters.yaml for the nodes, commission.json, report.html
-///
-/// Voltage and encoder alone must do: friction is told in volts. The shaft turns both ways, several
-/// times round, and every voltage passes the safety layer. Ctrl-C at any moment puts the motor at
-/// zero volts and keeps what is done.
-///
-///   frictionlab commission                              the simulated rig, to see it
-///   frictionlab commission --rig serial:/dev/ttyACM0    a real one; it asks before it moves
-///   frictionlab commission --resume runs/commission-1   go on where it was stopped
-///   frictionlab commission --resume runs/commission-1 --from friction --minutes 20
-///   frictionlab commission --trial 20                   machines that nobody has seen
-///   frictionlab commission --protocols                  against the thesis's constant velocities
-#[derive(Debug, clap::Args)]
-#[command(verbatim_doc_comment)]
-pub struct CommissionArgs {
-    /// Which rig
-    #[arg(long, value_name = "RIG", value_parser = RigParser, hide_possible_values = true, help = format!(
-        "Which rig: {} [default: the rig of --rig-file, of the folder of --resume, else simulated]",
-        RigRegistry::installed().grammar()
-    ))]
-    rig: Option<RigChoice>,
-    /// Rig profile, of which the limits count
-    /// [default: rig.yaml of this folder, where --rig names the rig that it is of]
-    #[arg(long, value_name = "FILE")]
-    rig_file: Option<PathBuf>,
-    /// Voltage limit of this rig [V], at most its own voltage range
-    /// [default: that of the profile, else 6]
-    #[arg(long, value_name = "V")]
-    voltage_limit: Option<f64>,
-    /// Where the shaft may be [rad], from where it stands when the command begins, as its encoder
-    /// counts: -0.5:1.5 is half a radian back and one and a half on
-    /// [default: the travel of the profile, by the rig's own count; else it has no ends]
-    #[arg(long, value_name = "LOW:HIGH", value_parser = travel, allow_hyphen_values = true,
-        conflicts_with = "trial")]
-    travel: Option<(f64, f64)>,
-    #[command(flatten)]
-    to: ToFolder,
-    /// Go on with the commission in this folder
-    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["out", "force"])]
-    resume: Option<PathBuf>,
-    /// Measure this stage and all behind it anew; what they found before is dropped
-    #[arg(long, value_name = "STAGE", requires = "resume", value_parser = stage)]
-    from: Option<Stage>,
-    /// Drive a real rig without asking
-    #[arg(long)]
-    yes: bool,
-    /// Rig time in all [min], from 4 to 120; a commission that goes on counts that of before
-    #[arg(long, value_name = "N", default_value_t = 10.0)]
-    minutes: f64,
-    /// Half widths of the 95 % intervals that are wanted, of f_c, f_s, v_s and slope
-    #[arg(long, value_name = "WISHES", default_value_t)]
-    want: Wanted,
-    /// Friction model of the simulated rig
-    #[arg(long, value_name = "NAME", default_value = "proposed", value_parser = model_name)]
-    plant: ModelName,
-    /// Seed of the simulated rig's noise, or of the first machine of --trial
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Wire the simulated rig wrong, as in `frictionlab rig check --help`
-    #[arg(long, value_name = "MISTAKES")]
-    miswired: Option<String>,
-    /// Commission so many simulated machines drawn at random, the first with --seed, and say how it
-    /// went: each is described by a file in the folder, which `--rig machine:FILE` drives again
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000),
-        conflicts_with_all = ["rig", "rig_file", "voltage_limit", "resume", "yes", "miswired", "plant"])]
-    trial: Option<u32>,
-    /// Drive the thesis's constant velocities beside it, and show rig time and intervals of both: on
-    /// the simulated rig, or on every machine of --trial
-    #[arg(long, conflicts_with_all = ["rig", "rig_file", "voltage_limit", "resume", "yes", "miswired"])]
-    protocols: bool,
-    /// Print nothing but errors
-    #[arg(long)]
-    quiet: bool,
-    #[command(flatten)]
-    saying: Saying,
-}
-
-/// A travel around where the shaft stands \[rad\].
-fn travel(text: &str) -> Result<(f64, f64), String> {
-    let ends = text.split_once(':').and_then(|(low, high)| {
-        Some((low.trim().parse::<f64>().ok()?, high.trim().parse::<f64>().ok()?))
-    });
-    ends.filter(|(low, high)| *low < 0.0 && *high > 0.0 && low.is_finite() && high.is_finite())
-        .ok_or_else(|| {
-            format!(
-                "`{text}` is no travel; expected LOW:HIGH in rad around where the shaft stands, as in -0.5:1.5"
-            )
-        })
-}
-
-/// A stage by its name.
-fn stage(text: &str) -> Result<Stage, String> {
-    let names: Vec<String> = Stage::ALL.iter().map(ToString::to_string).collect();
-    text.parse().map_err(|_| {
-        format!(
-            "there is no stage `{text}`; expected one of {}{}",
-            names.join(", "),
-            did_you_mean(text, names.iter().map(String::as_str))
-        )
-    })
-}
 
 /// Runs it.
 ///
 /// # Errors
 /// [`BadInput`] for what the user can mend, [`Interrupted`] after ctrl-C.
 pub fn execute(args: &CommissionArgs) -> anyhow::Result<()> {
-    if !(4.0..=120.0).contains(&args.minutes) {
-        return Err(BadInput(format!(
-            "--minutes must be a number from 4 to 120, but is {}",
-            args.minutes
-        ))
-        .into());
-    }
+    checked(args)?;
     if let Some(machines) = args.trial {
         let (seed, wanted) = (args.seed, args.want.clone());
         let protocol = args.protocols.then(ConstantVelocityProtocol::default);
@@ -159,43 +32,26 @@ pub fn execute(args: &CommissionArgs) -> anyhow::Result<()> {
         let asked = asked(args, &choose(Some(&RigChoice::Simulated), None)?)?;
         return super::commission_protocols::execute(&asked, &args.to, args.quiet, args.saying);
     }
-    let before = args.resume.as_deref().map(Dossier::open).transpose().map_err(worded)?;
-    let chosen = chosen(args, before.as_ref().map(|(_, identity)| identity))?;
-    if let Some(note) = chosen.note.as_ref().filter(|_| !args.quiet) {
+    let planned = planned(args)?;
+    if let Some(note) = planned.note.as_ref().filter(|_| !args.quiet) {
         eprintln!("{note}");
     }
-    let asked = asked(args, &chosen)?;
     let stop = interruption::watch(interruption::DRIVING)?;
-    let of_rig = simulated(args, &chosen.rig);
-    if let Some((dossier, of)) = &before {
-        of.require(&identity(&asked, None, of_rig.clone()), dossier.folder()).map_err(worded)?;
+    if args.clear {
+        clear(&planned.asked).map_err(worded)?;
     }
-    let known = look(&asked).map_err(worded)?;
-    let identity = identity(&asked, Some(&known), of_rig);
-    if let Some((dossier, of)) = &before {
-        of.require(&identity, dossier.folder()).map_err(worded)?;
-        if let Some(from) = args.from {
-            dossier.forget_from(from).map_err(worded)?;
-        }
-    }
+    let (known, identity) = planned.look()?;
     if !args.quiet {
-        eprint!("{}", believed(&identity.rig, &known, args.minutes));
+        let travel = planned.asked.travel;
+        eprint!("{}", believed(&identity.rig, &known, travel, args.minutes));
     }
-    if !chosen.rig.is_simulated() && !args.yes {
+    if !planned.asked.rig.is_simulated() && !args.yes {
         consent()?;
     }
-    let dossier = match before {
-        Some((dossier, _)) => dossier,
-        None => {
-            let folder = args.to.reserve("commission")?;
-            let dossier = Dossier::begin(folder.path(), &identity).map_err(worded)?;
-            // It stays, with what is found until then.
-            let _ = folder.into_path();
-            dossier
-        }
-    };
+    let asked = planned.asked.clone();
+    let dossier = planned.begin(&identity, || Ok(args.to.reserve("commission")?.into_path()))?;
     args.saying.begin();
-    let progress = Progress::new(asked.allowed, args.quiet);
+    let progress = Progress::in_words(asked.allowed, args.quiet);
     let outcome = commission::run(&asked, &known, &dossier, &stop, &progress);
     progress.finish();
     let outcome = outcome.map_err(|error| ended(error, &dossier))?;
@@ -206,53 +62,6 @@ pub fn execute(args: &CommissionArgs) -> anyhow::Result<()> {
         dossier.folder().join("parameters.yaml").display()
     );
     args.saying.result(args.quiet, &outcome.document, &text)
-}
-
-/// The rig of the options, else that of the folder.
-fn chosen(args: &CommissionArgs, before: Option<&Identity>) -> anyhow::Result<Chosen> {
-    let named = match (&args.rig, &args.rig_file, before) {
-        (None, None, Some(identity)) => {
-            Some(identity.rig.parse::<RigChoice>().map_err(|error| BadInput(error.to_string()))?)
-        }
-        (rig, ..) => rig.clone(),
-    };
-    let chosen = choose(named.as_ref(), args.rig_file.as_deref())?;
-    if let RigChoice::Nodes { .. } = chosen.rig {
-        return Err(BadInput(
-            "a commission drives a rig of its own, as in --rig serial:/dev/ttyACM0; the rig of running nodes is measured by `frictionlab run --rig nodes`".to_owned(),
-        )
-        .into());
-    }
-    let only_simulated = args.miswired.is_some() && chosen.rig != RigChoice::Simulated;
-    if only_simulated {
-        return Err(BadInput(
-            "--miswired is for the simulated rig; a real one is wired as it is".to_owned(),
-        )
-        .into());
-    }
-    Ok(chosen)
-}
-
-fn asked(args: &CommissionArgs, chosen: &Chosen) -> anyhow::Result<Asked> {
-    let wiring = args.miswired.as_deref().map(str::parse::<Miswiring>).transpose();
-    let mut setup = RigSetup {
-        limits: chosen.limits(args.voltage_limit),
-        friction: AnyModel::test_bed(args.plant),
-        wiring: wiring.map_err(|error| BadInput(format!("--miswired: {error}")))?,
-        ..RigSetup::default()
-    };
-    setup.simulation.seed = args.seed;
-    let (rig, wanted) = (chosen.rig.clone(), args.want.clone());
-    Ok(Asked { rig, setup, wanted, travel: args.travel, allowed: 60.0 * args.minutes })
-}
-
-/// What the simulated rig is made of; none of a real one.
-fn simulated(args: &CommissionArgs, rig: &RigChoice) -> Option<Simulated> {
-    (*rig == RigChoice::Simulated).then(|| Simulated {
-        plant: args.plant.to_string(),
-        seed: args.seed,
-        miswired: args.miswired.clone(),
-    })
 }
 
 /// Asks whoever sits there.
@@ -271,17 +80,4 @@ fn consent() -> anyhow::Result<()> {
         return Ok(());
     }
     Err(BadInput("nothing has moved: the answer was not yes".to_owned()).into())
-}
-
-/// An error of the stages: what is kept, and how to go on.
-fn ended(error: CommissionError, dossier: &Dossier) -> anyhow::Error {
-    let folder = dossier.folder().display();
-    let done: Vec<String> = dossier.done().iter().map(ToString::to_string).collect();
-    let kept = if done.is_empty() { "no stage yet".to_owned() } else { done.join(", ") };
-    let on = format!("kept: {kept}; `frictionlab commission --resume {folder}` goes on");
-    if error.is_stopped() {
-        return Interrupted(format!("stopped; the motor is at zero volts. {on}")).into();
-    }
-    eprintln!("{on}");
-    worded(error)
 }

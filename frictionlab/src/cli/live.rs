@@ -274,9 +274,11 @@ fn options(args: &LiveArgs, chosen: &Chosen) -> anyhow::Result<LiveOptions> {
         means: (!args.no_compensation).then_some(args.means),
         seed: args.seed,
         duration: args.duration,
-        serve: args
-            .serve
-            .then(|| Serving { runs: PathBuf::from(RUNS), allow_rigs: args.allow_rigs.clone() }),
+        serve: args.serve.then(|| Serving {
+            runs: PathBuf::from(RUNS),
+            allow_rigs: args.allow_rigs.clone(),
+            offers: super::ERRANDS,
+        }),
         ros_arguments: args
             .quiet
             .then_some(["--log-level", "error"].map(str::to_owned))

@@ -3,6 +3,9 @@
 mod advice;
 pub mod bag;
 pub mod commission;
+mod commission_args;
+mod commission_errand;
+mod commission_planned;
 mod commission_protocols;
 mod commission_trial;
 mod commission_words;
@@ -40,7 +43,11 @@ pub mod serve;
 pub mod simulate;
 pub mod truth_matrix;
 
+use experiment_runner::errand::Errands;
 pub use failure::{exit_code, told};
+
+/// What the runner offers beside experiments.
+pub const ERRANDS: Errands = Errands(&[&commission_errand::Commission]);
 
 /// Tells which bags of earlier runs in `runs` were cut off, and how to save them.
 fn offer_recovery(runs: &std::path::Path) {

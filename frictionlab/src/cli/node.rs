@@ -49,7 +49,7 @@ pub fn execute(args: NodeArgs) -> ExitCode {
         Node::FrictionObserver(given) => friction_observer::node::program(given.words),
         Node::Controller(given) => controller::node::program(given.words),
         Node::ExperimentRunner(given) => {
-            experiment_runner::server::program(given.words, thesis::BESIDE)
+            experiment_runner::server::program(given.words, thesis::BESIDE, super::ERRANDS)
         }
     }
 }

@@ -19,8 +19,8 @@ use rig_setup::RigChoice;
 ///
 /// Offers the action /experiment_runner/run_experiment and the services start_experiment,
 /// list_experiments, identify and abort beside it, and says on /experiment_status what goes on.
-/// Experiments are those of `frictionlab run`, with its options, and leave the same folder. One
-/// runs at a time. Requests use no other rigs than those given here, read files only in the folder
+/// Experiments are those of `frictionlab run`, with its options, and leave the same folder; beside
+/// them there is `commission`, with the options of that command. One runs at a time. Requests use no other rigs than those given here, read files only in the folder
 /// of runs and in --inputs, and write only in the folder of runs. ROS_DOMAIN_ID is honoured; only
 /// this machine sees it unless ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET. Ctrl-C ends what runs, keeps
 /// its bag, and leaves.
@@ -122,7 +122,7 @@ fn serve(
     let usual = UsualRig::default();
     usual.set(chosen.rig.clone());
     let axis = &node.identity().namespace;
-    let permissions = args.parameters(&chosen.rig).permissions(axis)?;
+    let permissions = args.parameters(&chosen.rig).permissions(axis)?.offering(super::ERRANDS);
     let profile = chosen.profile.as_ref().filter(|_| chosen.of_real().is_some());
     let permissions =
         permissions.with_profile(profile.map(|(file, _)| (chosen.rig.clone(), file.clone())));

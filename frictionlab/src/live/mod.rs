@@ -48,6 +48,7 @@ use recording::Recorded;
 
 use ::recording::bag::{BagOptions, BagWriter};
 use experiment_runner::compensation::Means;
+use experiment_runner::errand::Errands;
 use experiment_runner::messages::CycleTopics;
 use experiment_runner::run::{Compensators, Origins, render_parameter_file};
 use experiment_runner::test_bed::TestBed;
@@ -68,6 +69,9 @@ pub struct Serving {
     pub runs: PathBuf,
     /// Rigs that they may use.
     pub allow_rigs: Vec<RigChoice>,
+    /// What is offered beside experiments.
+    #[serde(skip)]
+    pub offers: Errands,
 }
 
 /// What a live run does.
@@ -137,8 +141,11 @@ pub fn run(
     let arguments = settings::arguments(options, period)?;
 
     let participant = Participant::join_with(&discovery, arguments.or_enclave("/live"))?;
-    let (runner, to_reference) =
-        RunnerSide::new(&participant, options.reference.is_some(), options.serve.is_some())?;
+    let (runner, to_reference) = RunnerSide::new(
+        &participant,
+        options.reference.is_some(),
+        options.serve.as_ref().map(|serving| serving.offers),
+    )?;
     let (observer, estimating) = FrictionObserver::new(&participant)?;
     let (controller, controlling) = ManagedController::new(&participant)?;
     if options.reference.is_none() {

@@ -15,6 +15,7 @@ use ros_node::queue::{Receiver, Sender, Waker, queue};
 use ros_node::{Participant, Publisher, RosNode, RosNodeError};
 
 use super::{LiveError, diagnostics, recording::Recorded};
+use experiment_runner::errand::Errands;
 use experiment_runner::server::node::ManagedRunner;
 
 /// References that wait for the publisher.
@@ -43,7 +44,7 @@ impl RunnerSide {
     pub(super) fn new(
         participant: &Participant,
         waveform: bool,
-        serve: bool,
+        serve: Option<Errands>,
     ) -> Result<(Self, Option<OwnReferences>), LiveError> {
         let node = participant.node("experiment_runner")?;
         let (mut reference, mut sender) = (None, None);
@@ -59,14 +60,16 @@ impl RunnerSide {
             reference = Some(spawned.map_err(|source| LiveError::Thread { source })?);
             sender = Some(to_publisher);
         }
-        if !serve {
+        if serve.is_none() {
             Parameters::usual(&node)?;
         }
         let side = Self {
             diagnostics: node.publisher(&topics::DIAGNOSTICS)?,
             next: Instant::now() + DIAGNOSTICS,
             reference,
-            _requests: serve.then(|| ManagedRunner::new(&node, thesis::BESIDE)).transpose()?,
+            _requests: serve
+                .map(|offers| ManagedRunner::new(&node, (thesis::BESIDE, offers)))
+                .transpose()?,
             _node: node,
         };
         Ok((side, sender))

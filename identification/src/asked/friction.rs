@@ -10,7 +10,6 @@ use friction_ident::{DriveConstants, Hampel, IdentError, StagedOptions, TorqueSo
 use friction_model::ModelName;
 
 use files::Folder;
-use recording::is_bag;
 use recording::joints::{Effort, JointChoice};
 use recording::stretches::{self, FrictionRecording, Preparation, Smoothing};
 use recording::table::{Columns, Measured};
@@ -170,11 +169,12 @@ impl IdentifyArgs {
     pub fn is_friction(&self) -> bool {
         let columns = self.columns();
         let alone = |file: &Path| {
-            is_bag(file)
+            let input = self.input(file);
+            input.is_bag()
                 && !self.torque_from_voltage
                 && self.effort != Some(Effort::Driving)
                 && file.exists()
-                || stretches::holds_points(file, &columns)
+                || stretches::holds_points(input, &columns)
         };
         !self.friction.model.is_empty()
             || self.friction.torque_source.is_some()
@@ -205,41 +205,74 @@ pub fn identify(
     progress: &Progress,
     cancel: &AtomicBool,
 ) -> anyhow::Result<Written> {
-    let preparation = preparation(args)?;
-    let files = read(&args.files, args, &preparation)?;
-    let validation = read(&args.validate, args, &preparation)?;
-    let settings = settings(args, preparation, &files)?;
-
+    let asked = Asked::read(args)?;
     // Before the work: a folder that cannot be written is told at once.
     let folder = args.to.reserve("identify")?;
-
-    progress.expect(settings.models.len() as u64);
-    let found = friction::run::identify(&files, &validation, &settings, progress, cancel);
-    progress.finish();
-    let found = match found {
-        Err(FrictionError::Nothing) => {
-            return Err(Interrupted(FrictionError::Nothing.to_string()).into());
-        }
-        Err(error @ FrictionError::Refused { source: IdentError::NotFriction { .. }, .. }) => {
-            return Err(BadInput(format!("{error} (--force-column NAME:-SCALE turns it)")).into());
-        }
-        other => other.map_err(|error| BadInput(error.to_string()))?,
-    };
-
-    let page = friction::page::page(
-        &found,
-        beside
-            .filter(|_| args.friction.thesis_tables)
-            .map_or_else(Vec::new, |beside| beside(&found)),
-    );
-    let contents = [
-        friction::document::render(&found),
-        report::render_page(&report::linked(page, ["parameters.yaml", "identification.json"])),
-        friction::parameters::render(&found)?,
-    ];
+    let found = asked.identify(progress, cancel)?;
+    let beside = beside.filter(|_| args.friction.thesis_tables);
+    let contents = contents(&found, beside.map_or_else(Vec::new, |beside| beside(&found)))?;
     let files: Vec<(&str, String)> = FILES.into_iter().zip(contents).collect();
     folder.write(&files)?;
     Ok(Written { found, folder })
+}
+
+/// What is to be identified, read.
+#[derive(Debug)]
+pub struct Asked {
+    files: Vec<FrictionRecording>,
+    validation: Vec<FrictionRecording>,
+    settings: Settings,
+}
+
+impl Asked {
+    /// Reads the recordings as the options say.
+    ///
+    /// # Errors
+    /// [`BadInput`] or [`RecordingError`] for whatever is wrong with the options or the files.
+    pub fn read(args: &IdentifyArgs) -> anyhow::Result<Self> {
+        let preparation = preparation(args)?;
+        let files = read(&args.files, args, &preparation)?;
+        let validation = read(&args.validate, args, &preparation)?;
+        let settings = settings(args, preparation, &files)?;
+        Ok(Self { files, validation, settings })
+    }
+
+    /// Identifies every model. Once `cancel` is set it ends with what there is.
+    ///
+    /// # Errors
+    /// [`BadInput`] where no model could be identified; [`Interrupted`] where nothing was found
+    /// before `cancel` was set.
+    pub fn identify(
+        &self,
+        progress: &Progress,
+        cancel: &AtomicBool,
+    ) -> anyhow::Result<FrictionIdentification> {
+        let Self { files, validation, settings } = self;
+        progress.expect(settings.models.len() as u64);
+        let found = friction::run::identify(files, validation, settings, progress, cancel);
+        progress.finish();
+        match found {
+            Err(error @ FrictionError::Nothing) => Err(Interrupted(error.to_string()).into()),
+            Err(error @ FrictionError::Refused { source: IdentError::NotFriction { .. }, .. }) => {
+                let turned = format!("{error} (--force-column NAME:-SCALE turns it)");
+                Err(BadInput(turned).into())
+            }
+            other => Ok(other.map_err(|error| BadInput(error.to_string()))?),
+        }
+    }
+}
+
+/// The contents of [`FILES`], the page with `beside` in it.
+///
+/// # Errors
+/// If the parameters cannot be said in YAML, a mistake of this program.
+pub fn contents(found: &FrictionIdentification, beside: Vec<Block>) -> anyhow::Result<[String; 3]> {
+    let page = friction::page::page(found, beside);
+    Ok([
+        friction::document::render(found),
+        report::render_page(&report::linked(page, ["parameters.yaml", "identification.json"])),
+        friction::parameters::render(found)?,
+    ])
 }
 
 fn read(
@@ -253,7 +286,8 @@ fn read(
         _ => Measured::Force,
     };
     let columns = Columns { measured, ..args.columns() };
-    files.iter().map(|file| stretches::read(file, &columns, preparation)).collect()
+    let read = |file: &PathBuf| stretches::read(args.input(file), &columns, preparation);
+    files.iter().map(read).collect()
 }
 
 fn preparation(args: &IdentifyArgs) -> Result<Preparation, BadInput> {
@@ -277,7 +311,7 @@ fn preparation(args: &IdentifyArgs) -> Result<Preparation, BadInput> {
                 .to_owned(),
         ));
     }
-    if torque == TorqueSource::Current && args.files.iter().any(|file| is_bag(file)) {
+    if torque == TorqueSource::Current && args.files.iter().any(|file| args.input(file).is_bag()) {
         return Err(BadInput(
             "a bag has no current; use --torque-source sensor or voltage".to_owned(),
         ));
@@ -416,7 +450,7 @@ impl IdentifyArgs {
     /// # Errors
     /// [`BadInput`] names the option.
     pub(super) fn check_options(&self) -> Result<(), BadInput> {
-        let bags = self.files.iter().filter(|file| is_bag(file)).count();
+        let bags = self.files.iter().filter(|file| self.input(file).is_bag()).count();
         let refuse = |option: &str, why: &str| Err(BadInput(format!("{option} {why}")));
         if bags == 0 {
             for (option, given) in [

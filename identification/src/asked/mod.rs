@@ -6,13 +6,16 @@
     reason = "options are read in a terminal, where units are not escaped"
 )]
 
+pub mod axis;
 pub mod friction;
+pub mod mending;
 
 use std::path::{Path, PathBuf};
 
 use friction_ident::{Conditioning, Signals};
 use friction_model::Motor;
 use recording::column_options::ColumnArgs;
+use recording::grid::{Arrays, Input};
 use recording::joints::Effort;
 use recording::rosbag;
 use recording::table;
@@ -60,6 +63,11 @@ pub struct IdentifyArgs {
     /// recordings of the same axis.
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
+
+    /// Tables that are in memory: one that is called as a file is read in its place. No option of
+    /// the command.
+    #[arg(skip)]
+    pub arrays: Vec<Arrays>,
 
     /// Try the fitted models on these recordings too, which no fit sees (the cross-test).
     #[arg(long, value_name = "FILE", num_args = 1..)]
@@ -284,11 +292,21 @@ pub fn read(
 /// [`RecordingError`] with the file and what is wrong with it.
 fn read_one(file: &Path, args: &IdentifyArgs, motor: &Motor) -> Result<Recording, RecordingError> {
     let steps = Steps { tolerance: args.time_tolerance, resample: args.resample };
-    if recording::is_bag(file) {
+    let input = args.input(file);
+    if input.is_bag() {
         let motor = args.torque_from_voltage.then_some(motor);
         rosbag::read(file, motor, &args.joint_choice(), steps)
     } else {
         let columns = args.columns();
-        table::read(file, &columns, steps)
+        table::read(input, &columns, steps)
+    }
+}
+
+impl IdentifyArgs {
+    /// What is read for a file that was named.
+    #[must_use]
+    pub fn input<'a>(&'a self, file: &'a Path) -> Input<'a> {
+        let called = self.arrays.iter().find(|arrays| arrays.name() == file);
+        called.map_or(Input::Path(file), Input::Arrays)
     }
 }

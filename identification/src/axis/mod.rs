@@ -8,6 +8,7 @@
 mod band;
 pub mod document;
 mod errors;
+mod held;
 mod longest;
 pub mod page;
 pub mod parameters;
@@ -24,6 +25,7 @@ use friction_ident::{
     Prediction, Signals, adequacy, choose_load, condition_stretches, fit_axis, fit_axis_freely,
 };
 
+use friction_ident::statistics::root_mean_square;
 use longest::longest;
 use recording::{AxisKind, RecordedStretch, Recording};
 
@@ -159,6 +161,9 @@ pub fn identify(
     let symmetric = symmetric.map_err(blame)?;
     let mut warnings: Vec<String> =
         band::too_fast(recording, &settings.conditioning).into_iter().collect();
+    for (warning, said) in held::said(recording, &settings.conditioning) {
+        if warning { warnings.push(said) } else { notes.push(said) }
+    }
     if let Err(error) = symmetric.possible() {
         if !settings.structured {
             return Err(blame(error));
@@ -179,7 +184,12 @@ pub fn identify(
     };
     for model in [Some(&mut symmetric), asymmetric.as_mut()].into_iter().flatten() {
         let name = if model.fit.model.asymmetric { "asymmetric" } else { "symmetric" };
-        let whole = adequacy::doubts(&model.estimation, &estimation).into_iter();
+        let fails = model.validation.as_ref().and_then(|there| {
+            let ModelResult { fit, estimation, .. } = &*model;
+            let size = root_mean_square(&estimation.measured);
+            adequacy::elsewhere(fit.relative_error, size * size, there)
+        });
+        let whole = adequacy::doubts(&model.estimation, &estimation).into_iter().chain(fails);
         let more = if settings.structured {
             "The structure chosen below has more"
         } else {

@@ -7,7 +7,7 @@ use friction_ident::axis_structure::{
     AxisStructure, AxisUnits, Choice, CrossValidation, StructureFit, UnknownStructure, blocks_for,
     choose, cross_validate_beside, fit_structure, growth,
 };
-use friction_ident::{Conditioned, IdentError, Prediction};
+use friction_ident::{Conditioned, IdentError, Prediction, adequacy};
 
 use recording::AxisKind;
 use work::progress::Progress;
@@ -80,6 +80,8 @@ pub struct Structured {
     pub estimation: Prediction,
     /// On the other recording, which nothing was chosen or fitted by.
     pub validation: Option<Prediction>,
+    /// Why the chosen one is not to be trusted as a whole: said before any table.
+    pub warnings: Vec<String>,
 }
 
 impl Structured {
@@ -159,7 +161,16 @@ pub fn structured(
     fit.heed(estimation, &rivals);
     let here = fit.predict(estimation)?;
     let there = validation.map(|other| fit.predict(other)).transpose()?;
-    Ok(Some(Structured { scores, refused, choice, fit, estimation: here, validation: there }))
+    let promised = scores.get(choice.chosen);
+    let doubts = adequacy::doubts(&here, estimation).into_iter().chain(
+        promised.zip(there.as_ref()).and_then(|(score, there)| {
+            adequacy::elsewhere(score.relative_error, score.force_power, there)
+        }),
+    );
+    let name = fit.structure;
+    let warnings = doubts.map(|doubt| format!("The structure {name} {doubt}.")).collect();
+    let (estimation, validation) = (here, there);
+    Ok(Some(Structured { scores, refused, choice, fit, estimation, validation, warnings }))
 }
 
 /// The structure that is chosen, with its fit. One with a wave that both halves of the recording do

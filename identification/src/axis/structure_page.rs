@@ -240,6 +240,7 @@ pub fn document(found: &Structured) -> Value {
         "standard_errors": METHOD,
         "cross_test_relative_error_percent": found.validation.as_ref().map(|other| other.relative_error),
         "cross_test_stretches_s": found.validation.as_ref().map(Prediction::stretches),
+        "warnings": found.warnings,
         "notes": found.fit.notes(),
     })
 }

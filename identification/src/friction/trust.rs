@@ -26,8 +26,16 @@ pub(super) fn doubts(chosen: &ModelResult, data: &FrictionData) -> Vec<String> {
         .into_iter()
         .chain([(Quantity::Velocity, velocity)])
         .collect();
+    let name = chosen.found.name;
+    let near_rest = chosen
+        .found
+        .stages
+        .last()
+        .and_then(|last| last.left)
+        .map(|left| format!("{name}: {left}. Its parameters near rest are not to be trusted."));
     doubts_of(&residual, &measured, &columns)
         .into_iter()
-        .map(|doubt| format!("{} {doubt}.", chosen.found.name))
+        .map(|doubt| format!("{name} {doubt}."))
+        .chain(near_rest)
         .collect()
 }

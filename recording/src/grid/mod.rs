@@ -5,6 +5,7 @@
 //! not fit is left out, and can be told. No file takes more memory than [`MOST_VALUES`] numbers,
 //! whatever it says of itself.
 
+mod arrays;
 mod assemble;
 mod float16;
 mod foreign;
@@ -21,6 +22,7 @@ use serde::Serialize;
 
 use crate::RecordingError;
 
+pub use arrays::{Array, Arrays, Input};
 use assemble::assemble;
 
 /// Numbers that a file may hold: one GiB of them.
@@ -44,6 +46,8 @@ pub enum Form {
     Parquet,
     /// Several tables, column beside column.
     Joined,
+    /// Arrays in memory.
+    Arrays,
 }
 
 impl Form {
@@ -58,6 +62,7 @@ impl Form {
             Self::Hdf5 => "a MATLAB 7.3 or HDF5 file",
             Self::Parquet => "a Parquet file",
             Self::Joined => "several tables, joined row by row",
+            Self::Arrays => "arrays in memory",
         }
     }
 
@@ -71,7 +76,9 @@ impl Form {
                 "in MATLAB: save('recording.mat', 't', 'q', 'tau', '-v7') with vectors of one length; a table T by writetable(T, 'recording.csv')"
             }
             Self::Parquet => "in Python: pandas.read_parquet(FILE).to_csv('recording.csv')",
-            Self::Text | Self::Joined => "as text, with one header line and one line a sample",
+            Self::Text | Self::Joined | Self::Arrays => {
+                "as text, with one header line and one line a sample"
+            }
         }
     }
 }
@@ -181,7 +188,7 @@ pub(super) fn read(path: &Path, form: Form, bytes: &[u8]) -> Result<Grid, Record
         Form::Matlab => matlab::read(bytes),
         Form::Hdf5 => hdf::read(bytes),
         Form::Parquet => parquet::read(bytes),
-        Form::Text | Form::Joined => Err("it is text".to_owned()),
+        Form::Text | Form::Joined | Form::Arrays => Err("it is text".to_owned()),
     });
     contents.and_then(|contents| assemble(form, contents)).map_err(refuse)
 }

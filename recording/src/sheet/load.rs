@@ -7,7 +7,7 @@ use super::encoding::{Encoding, decoded};
 use super::{Missing, Named, Sheet};
 use crate::RecordingError;
 use crate::column::Channel;
-use crate::grid::{self, Form, Grid, GridColumn, MOST_VALUES};
+use crate::grid::{self, Form, Grid, GridColumn, Input, MOST_VALUES};
 use crate::layout::Layout;
 
 /// What a table is read from.
@@ -32,38 +32,60 @@ impl<'a, const N: usize> From<&'a [u8; N]> for Loaded<'a> {
     }
 }
 
+/// One of the tables that are joined.
+enum Table<'a> {
+    File(PathBuf),
+    Arrays(&'a Grid),
+}
+
 /// Loads a table, of whatever form; a folder, or a table with others beside it, is joined row by
 /// row.
 ///
 /// # Errors
 /// [`RecordingError`], naming the file.
-pub(in super::super) fn load(
-    path: &Path,
+pub(in super::super) fn load<'a>(
+    input: impl Into<Input<'a>>,
     layout: &Layout,
 ) -> Result<Loaded<'static>, RecordingError> {
-    let files = if path.is_dir() { tables_of(path)? } else { vec![path.to_owned()] };
-    if files.len() == 1 && layout.beside.is_empty() && !path.is_dir() {
-        return one(path);
+    let input = input.into();
+    let path = input.path();
+    let mut tables = match input {
+        Input::Arrays(arrays) => vec![Table::Arrays(arrays.grid())],
+        Input::Path(folder) if folder.is_dir() => {
+            tables_of(folder)?.into_iter().map(Table::File).collect()
+        }
+        Input::Path(file) if layout.beside.is_empty() => return one(file),
+        Input::Path(file) => vec![Table::File(file.to_owned())],
+    };
+    if let ([Table::Arrays(grid)], []) = (&tables[..], &layout.beside[..]) {
+        return Ok(Loaded::Grid(Grid::clone(grid)));
     }
+    tables.extend(layout.beside.iter().cloned().map(Table::File));
     let mut joined = Grid { form: Form::Joined, columns: Vec::new(), left_out: Vec::new() };
     let mut first: Option<(PathBuf, usize)> = None;
-    for file in files.iter().chain(&layout.beside) {
-        let grid = match one(file)? {
-            Loaded::Grid(grid) => grid,
-            text @ Loaded::Text(..) => of_text(file, &text)?,
+    for table in tables {
+        let (file, grid) = match table {
+            Table::Arrays(grid) => (path.to_owned(), grid.clone()),
+            Table::File(file) => {
+                let grid = match one(&file)? {
+                    Loaded::Grid(grid) => grid,
+                    text @ Loaded::Text(..) => of_text(&file, &text)?,
+                };
+                (file, grid)
+            }
         };
         let rows = grid.columns.first().map_or(0, |column| column.values.len());
         match &first {
             Some((before, expected)) if rows != *expected => {
                 return Err(RecordingError::Joined {
-                    path: file.clone(),
+                    path: file,
                     rows,
                     beside: before.clone(),
                     expected: *expected,
                 });
             }
             Some(_) => {}
-            None => first = Some((file.clone(), rows)),
+            None => first = Some((file, rows)),
         }
         joined.columns.extend(grid.columns);
         if joined.columns.len().saturating_mul(rows) > MOST_VALUES {

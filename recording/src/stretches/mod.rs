@@ -21,12 +21,13 @@ use self::pieces::{cropped, steady_part};
 use self::points::{is_points, points};
 use self::prepare::prepare;
 use super::drive_error::DriveError;
+use super::grid::Input;
 use super::joints::JointChoice;
 use super::rosbag::{self, BagChannel};
 use super::sheet::{Loaded, load};
 use super::table::{self, Columns, Motion};
 use super::timing::{Steps, TOLERANCE, Timing};
-use super::{AxisKind, Irregularities, RecordingError, is_bag};
+use super::{AxisKind, Irregularities, RecordingError};
 
 /// How motion is smoothed. The friction itself never is: that would flatten the steps it makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, clap::ValueEnum)]
@@ -150,12 +151,14 @@ struct Samples {
 ///
 /// # Errors
 /// [`RecordingError`], naming the file and, where there is one, the line and the column.
-pub fn read(
-    path: &Path,
+pub fn read<'a>(
+    input: impl Into<Input<'a>>,
     columns: &Columns,
     how: &Preparation,
 ) -> Result<FrictionRecording, RecordingError> {
-    if is_bag(path) {
+    let input = input.into();
+    let path = input.path();
+    if input.is_bag() {
         let channel = match how.torque {
             TorqueSource::Voltage => BagChannel::Voltage,
             _ => BagChannel::Effort(how.joint.clone()),
@@ -175,7 +178,7 @@ pub fn read(
         };
         return cut(path, &samples, Some(AxisKind::Rotary), how, place, without);
     }
-    parse(path, load(path, &columns.layout)?, columns, how)
+    parse(path, load(input, &columns.layout)?, columns, how)
 }
 
 fn parse<'a>(
@@ -201,9 +204,11 @@ fn parse<'a>(
 }
 
 /// Whether the file is a table of steady points: a velocity and a torque, and no time.
-pub fn holds_points(path: &Path, columns: &Columns) -> bool {
-    !is_bag(path)
-        && load(path, &columns.layout).is_ok_and(|loaded| is_points(path, &loaded, columns))
+pub fn holds_points<'a>(input: impl Into<Input<'a>>, columns: &Columns) -> bool {
+    let input = input.into();
+    !input.is_bag()
+        && load(input, &columns.layout)
+            .is_ok_and(|loaded| is_points(input.path(), &loaded, columns))
 }
 
 /// Samples below which a piece between two pauses is left out.

@@ -114,6 +114,19 @@ impl RigError {
         }
     }
 
+    /// Whether the device holds the motor at zero volts by a latch of its own, its emergency stop or a
+    /// fault of it, until somebody clears that.
+    #[must_use]
+    pub const fn is_held(&self) -> bool {
+        match self {
+            #[cfg(feature = "serial")]
+            Self::Serial(SerialError::NotActive { state, .. }) => {
+                matches!(state, rig_protocol::State::Fault | rig_protocol::State::EmergencyStopped)
+            }
+            _ => false,
+        }
+    }
+
     /// Whether whoever asked for it can mend it: a parameter out of range, an address behind which
     /// there is no such rig. A rig that is lost, faulted or taken is no such thing.
     #[must_use]

@@ -9,7 +9,7 @@ use super::home::Home;
 use super::paced::Paced;
 use super::{Again, BenchRig, locked};
 use crate::NotReopened;
-use crate::come_back::{come_back, silence};
+use crate::come_back::{come_back, counted_on, silence};
 
 impl BenchRig {
     /// Opens the rig anew after its line failed, up to [`PATIENCE`](crate::PATIENCE) after it was heard last:
@@ -17,16 +17,13 @@ impl BenchRig {
     /// fault that is latched in the device is not cleared. The time that it took \[s\].
     ///
     /// # Errors
-    /// [`NotReopened`] says why: it did not come back, another device came back, the travel is limited, or
-    /// there is no way to open it.
+    /// [`NotReopened`] says why: it did not come back, another device came back, the travel is limited
+    /// and the encoder did not count on, or there is no way to open it.
     pub fn reconnect(&self) -> Result<f64, NotReopened> {
         let not = |why: String| Err(NotReopened(why));
         let Some(Again(reopen)) = &self.reopen else {
             return not("this rig is not opened again".to_owned());
         };
-        if self.limits.travel.is_some() {
-            return not("its travel is limited, and nobody knows whether its encoder counted on: look where the shaft is, and begin again".to_owned());
-        }
         // A keeper that failed has ended; one that waits for the rig ends as it finds none.
         self.home.over.store(true, Ordering::Relaxed);
         if let Some(keeper) = locked(&self.keeper).take() {
@@ -46,6 +43,9 @@ impl BenchRig {
         }
         if opened.rig.period() != self.period {
             return not("another device came back: its cycle is another".to_owned());
+        }
+        if self.limits.travel.is_some() {
+            counted_on(&opened, heard)?;
         }
         let pace = opened.pace;
         let paced = Paced::configured(opened.rig, self.limits, pace, rise)

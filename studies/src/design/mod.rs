@@ -3,6 +3,7 @@
 //! [`assess`] computes, [`page()`] and [`summary`] show, [`parameters`] is the file that `run` and
 //! `live` read, [`document`] the one for programs.
 
+pub mod asked;
 mod document;
 mod page;
 mod parameters;

@@ -19,7 +19,8 @@ use friction_model::{
 pub use self::refusal::{SimulateError, Stopped};
 pub use self::runge_kutta::Halvings;
 use self::runge_kutta::{Integration, Stiff};
-use self::table::Table;
+use self::table::{Csv, Table};
+pub use self::table::{InMemory, Rows};
 use recording::trajectory::Point;
 use recording::{AxisKind, RecordingError};
 
@@ -98,6 +99,22 @@ pub fn simulate<P>(
 where
     P: Iterator<Item = Result<Point, RecordingError>>,
 {
+    simulate_into(model, motion, settings, &mut Csv::new(out))
+}
+
+/// Evaluates `model` along the motion and hands over a row a point of it, as [`simulate`] does.
+///
+/// # Errors
+/// [`Stopped`]; the rows until then were handed over.
+pub fn simulate_into<P>(
+    model: &AnyModel,
+    motion: Motion<P>,
+    settings: &Settings,
+    out: &mut dyn Rows,
+) -> Result<Done, Stopped>
+where
+    P: Iterator<Item = Result<Point, RecordingError>>,
+{
     settings.check()?;
     if settings.load_gain.is_some() && !motion.loaded {
         return Err(SimulateError::NoLoad.into());
@@ -167,7 +184,7 @@ struct Simulation<'a, P> {
     settings: Settings,
     /// None where no steps of Runge and Kutta hold one.
     tolerance: Option<f64>,
-    out: &'a mut dyn Write,
+    out: &'a mut dyn Rows,
 }
 
 impl<P: Iterator<Item = Result<Point, RecordingError>>> ModelVisitor for Simulation<'_, P> {
@@ -188,7 +205,7 @@ impl<P: Iterator<Item = Result<Point, RecordingError>>> Simulation<'_, P> {
         // A model that holds at rest has no states, and no force that a velocity would tell there.
         let holds = model.holding(0.0).is_some();
         let mut going = Integration::at_rest(model, self.tolerance);
-        let mut table = Table::new(model, &going.state, self.units, load_gain, self.out)?;
+        let mut table = Table::new(model, &going.state, self.units, load_gain, self.out);
         let mut here = self.first;
         loop {
             let v = here.velocity;
@@ -216,7 +233,7 @@ impl<P: Iterator<Item = Result<Point, RecordingError>>> Simulation<'_, P> {
         let Settings { dt, load_gain, .. } = self.settings;
         let mut state = model.rest();
         let mut fixed = Fixed::new(model, dt)?;
-        let mut table = Table::new(model, &state, self.units, load_gain, self.out)?;
+        let mut table = Table::new(model, &state, self.units, load_gain, self.out);
         let mut here = self.first;
         loop {
             table.row(model, here, &state, model.force(&state, here.velocity))?;
@@ -239,7 +256,7 @@ impl<P: Iterator<Item = Result<Point, RecordingError>>> Simulation<'_, P> {
         let Settings { dt, load_gain, .. } = self.settings;
         let mut state = model.rest();
         let mut fixed = Fixed::new(model, dt)?;
-        let mut table = Table::new(model, &state, self.units, load_gain, self.out)?;
+        let mut table = Table::new(model, &state, self.units, load_gain, self.out);
         let mut here = self.first;
         loop {
             let before = state.clone();

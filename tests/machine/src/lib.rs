@@ -23,6 +23,8 @@ pub enum Need {
     Jazzy,
     /// Readers of bags that are not ours.
     BagTools,
+    /// What checks and builds our Python.
+    PythonTools,
     /// colcon, which builds ROS workspaces.
     Colcon,
     /// A peer on Cyclone DDS.
@@ -63,6 +65,9 @@ impl Need {
                 "no Python with Jazzy's rclpy: `cargo xtask python-env --distribution jazzy` makes it"
             }
             Self::BagTools => "no Python with readers of bags: `cargo xtask python-env` makes it",
+            Self::PythonTools => {
+                "no Python with mypy, nbclient and maturin: `cargo xtask python-env` makes it"
+            }
             Self::Colcon => "no colcon: `cargo xtask python-env` makes it",
             Self::Cyclone => "no Python with Cyclone DDS: `cargo xtask python-env` makes it",
             Self::Namespace => {
@@ -97,6 +102,7 @@ impl Need {
         match self {
             Self::Rclpy => part("FRICTION_PYTHON_ENV", "python", "rclpy"),
             Self::BagTools => part("FRICTION_PYTHON_ENV", "python", "bag_tools"),
+            Self::PythonTools => part("FRICTION_PYTHON_ENV", "python", "python_tools"),
             Self::Colcon => part("FRICTION_PYTHON_ENV", "python", "colcon"),
             Self::Jazzy => part("FRICTION_PYTHON_ENV_JAZZY", "python-jazzy", "rclpy"),
             Self::Cyclone => part("FRICTION_PYTHON_ENV_CYCLONE", "python-cyclone", "cyclone"),

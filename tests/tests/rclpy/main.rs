@@ -2,6 +2,7 @@
 //! own would be linked to the whole of the nodes once more. One session after the other.
 
 mod cdr_rclpy;
+mod commission_rclpy;
 mod endurance_rclpy;
 mod frozen_rclpy;
 mod hostile_rclpy;

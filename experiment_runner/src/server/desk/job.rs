@@ -1,17 +1,21 @@
 //! The thread of an experiment.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use files::{OutputError, is_empty_or_missing};
 use msgs::friction_msgs::{ExperimentStatus, RunExperimentFeedback};
 use work::progress::Progress;
 
-use super::{Inner, Watcher};
+use super::{Inner, Watcher, bad_folder};
+use crate::errand::Prepared;
 use crate::run::{self, RunOptions};
-use crate::server::ended::{Ended, Started};
+use crate::server::Refusal;
+use crate::server::ended::{Came, Ended, Started};
 use crate::server::outcome;
 
 /// Time between two reports of a running experiment.
@@ -21,21 +25,76 @@ const TICK: Duration = Duration::from_millis(250);
 /// keeps.
 const STATUS: Duration = Duration::from_secs(1);
 
+/// What is to be done.
+pub(super) enum Work {
+    /// An experiment.
+    Run(Box<RunOptions>),
+    /// Work beside experiments.
+    Errand(Box<dyn Prepared>),
+}
+
+impl Work {
+    /// Time that it takes on a rig \[s\].
+    pub(super) fn rig_seconds(&self) -> f64 {
+        match self {
+            Self::Run(options) => options.rig_seconds(),
+            Self::Errand(prepared) => prepared.rig_seconds(),
+        }
+    }
+
+    /// The folder in which it goes on; none for a new one.
+    pub(super) fn resumes(&self) -> Option<PathBuf> {
+        match self {
+            Self::Run(_) => None,
+            Self::Errand(prepared) => prepared.resumes(),
+        }
+    }
+
+    /// Refuses options that cannot be, or a folder that is in use. Nothing is written by then.
+    pub(super) fn check(&self, folder: Option<&Path>) -> Result<(), Refusal> {
+        match (self, folder) {
+            (Self::Run(options), Some(folder)) => run::check(options, folder).map_err(bad_folder),
+            (Self::Run(options), None) => run::check_options(options).map_err(bad_folder),
+            (Self::Errand(_), Some(folder)) => {
+                let error = match is_empty_or_missing(folder) {
+                    Ok(true) => return Ok(()),
+                    Ok(false) => OutputError::NotEmpty(folder.to_owned()),
+                    Err(source) => OutputError::Write { path: folder.to_owned(), source },
+                };
+                Err(bad_folder(error.into()))
+            }
+            (Self::Errand(_), None) => Ok(()),
+        }
+    }
+
+    fn done(self, job: &Job) -> Came {
+        let folder = &job.started.folder;
+        match self {
+            Self::Run(options) => {
+                let done = run::execute(&options, folder, &job.progress, &job.cancel);
+                Came::Run(Box::new(done.map(|outcome| outcome.results).map_err(Arc::new)))
+            }
+            Self::Errand(prepared) => {
+                Came::Errand(prepared.carry_out(folder, &job.progress, &job.cancel))
+            }
+        }
+    }
+}
+
 /// What the thread of an experiment has.
 pub(super) struct Job {
     pub(super) inner: Arc<Inner>,
-    pub(super) options: RunOptions,
     pub(super) started: Started,
     pub(super) progress: Progress,
     pub(super) cancel: Arc<AtomicBool>,
 }
 
 impl Job {
-    pub(super) fn run(self, watcher: Box<dyn Watcher>) {
+    pub(super) fn run(self, work: Work, watcher: Box<dyn Watcher>) {
         let release = Release(Arc::clone(&self.inner));
         let begun = Instant::now();
         let (working, worked) = mpsc::channel::<()>();
-        let results = thread::scope(|scope| {
+        let came = thread::scope(|scope| {
             let (job, watcher) = (&self, &*watcher);
             scope.spawn(move || {
                 let mut told = Told::default();
@@ -48,11 +107,10 @@ impl Job {
             });
             // Dropped even by a panic, so that the one above ends.
             let _working = working;
-            run::execute(&self.options, &self.started.folder, &self.progress, &self.cancel)
+            work.done(&self)
         });
-        let results = results.map(|outcome| outcome.results).map_err(Arc::new);
-        let ended = Ended { started: self.started.clone(), results };
-        let complete = ended.results.is_ok() && !self.cancel.load(Ordering::Relaxed);
+        let ended = Ended { started: self.started.clone(), came };
+        let complete = ended.is_done() && !self.cancel.load(Ordering::Relaxed);
         let _telling = Telling::new(&self.inner);
         // Free before anybody hears of the end, so that whoever does can ask for the next.
         drop(release);

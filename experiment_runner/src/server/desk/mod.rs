@@ -12,12 +12,12 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use msgs::friction_msgs::{ExperimentStatus, RunExperimentFeedback};
 use msgs::std_msgs::Header;
 
-use self::job::Job;
+use self::job::{Job, Work};
 use super::Refusal;
 use super::ended::{Ended, Started};
 use super::permissions::Permissions;
 use super::request::ExperimentRequest;
-use crate::run::{self, RunError};
+use crate::run::RunError;
 use files::{Folder, OutputError};
 use rig_setup::RigChoice;
 use work::progress::Progress;
@@ -124,43 +124,45 @@ impl Desk {
         watcher: impl Watcher,
     ) -> Result<Started, Refusal> {
         let permissions = &self.inner.permissions;
-        let options = request.options(&self.inner.usual.get(), permissions)?;
+        let usual = self.inner.usual.get();
         let asked = request.folder.as_ref().map(|name| permissions.output(name)).transpose()?;
-        if let Some(folder) = &asked {
-            run::check(&options, folder).map_err(bad_folder)?;
-        }
-        let mut state = self.inner.free(request.preempt)?;
-        run::check_options(&options).map_err(bad_folder)?;
-        let folder = match asked {
-            Some(folder) => {
-                run::check(&options, &folder).map_err(bad_folder)?;
-                make(&folder, permissions)?
-            }
+        let (name, work) = match request.errand(&usual, permissions)? {
+            Some(errand) => (errand.name, Work::Errand(errand.prepared)),
             None => {
-                let reserved =
-                    Folder::reserve(None, permissions.runs(), options.experiment.as_str(), false);
+                let options = request.options(&usual, permissions)?;
+                (options.experiment.as_str(), Work::Run(Box::new(options)))
+            }
+        };
+        work.check(asked.as_deref())?;
+        let mut state = self.inner.free(request.preempt)?;
+        work.check(asked.as_deref())?;
+        let folder = match (work.resumes(), asked) {
+            (Some(begun), None) => begun,
+            (Some(_), Some(_)) => {
+                return Err(Refusal::BadRequest(
+                    "what goes on has its folder already: leave output_folder out".to_owned(),
+                ));
+            }
+            (None, Some(folder)) => make(&folder, permissions)?,
+            (None, None) => {
+                let reserved = Folder::reserve(None, permissions.runs(), name, false);
                 make(&reserved.map_err(|error| bad_folder(error.into()))?.into_path(), permissions)?
             }
         };
         let run_id =
             folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        let started = Started { run_id, experiment: options.experiment.as_str(), folder };
-        let progress = Progress::new(options.rig_seconds(), true);
+        let started = Started { run_id, experiment: name, folder };
+        let progress = Progress::new(work.rig_seconds(), true);
         let running = Running {
             started: started.clone(),
             progress: progress.clone(),
             cancel: Arc::clone(&cancel),
         };
-        let job = Job {
-            inner: Arc::clone(&self.inner),
-            options,
-            started: started.clone(),
-            progress,
-            cancel,
-        };
+        let job =
+            Job { inner: Arc::clone(&self.inner), started: started.clone(), progress, cancel };
         thread::Builder::new()
             .name("experiment".into())
-            .spawn(move || job.run(Box::new(watcher)))
+            .spawn(move || job.run(work, Box::new(watcher)))
             .map_err(|error| Refusal::BadRequest(format!("no thread can be started: {error}")))?;
         state.running = Some(running);
         Ok(started)
@@ -251,7 +253,7 @@ fn make(folder: &Path, permissions: &Permissions) -> Result<PathBuf, Refusal> {
     Ok(folder.clone())
 }
 
-fn bad_folder(error: RunError) -> Refusal {
+pub(super) fn bad_folder(error: RunError) -> Refusal {
     Refusal::BadRequest(match error {
         RunError::Output(OutputError::NotEmpty(folder)) => format!(
             "the output_folder {} is not empty: name a new one, or leave it out and one is made",

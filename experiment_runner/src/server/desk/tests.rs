@@ -16,8 +16,8 @@ impl Watcher for Wait {
     }
 
     fn ended(self: Box<Self>, ended: &Ended) {
-        let results = ended.results.clone();
-        let _ = self.0.send(Ended { started: ended.started.clone(), results });
+        let came = ended.came.clone();
+        let _ = self.0.send(Ended { started: ended.started.clone(), came });
     }
 }
 
@@ -100,7 +100,7 @@ fn a_second_experiment_is_refused_with_the_first_ones_name_and_preemption_ends_t
         desk.start(&request("velocity-tracking", None, true), Arc::default(), ()).unwrap();
     assert_eq!(started.run_id, "velocity-tracking-1");
     let first = ended.recv_timeout(Duration::from_secs(60)).unwrap();
-    assert_eq!(first.results.as_ref().unwrap().status, Status::Interrupted);
+    assert_eq!(first.results().unwrap().status, Status::Interrupted);
     let result = outcome::result(&first);
     assert_eq!(result.outcome, msgs::friction_msgs::RunExperimentResult::CANCELED);
     BagReader::open(Path::new(&result.bag_path)).unwrap();

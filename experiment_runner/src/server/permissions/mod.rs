@@ -10,6 +10,7 @@ use files::input::{LARGEST_TABLE, LARGEST_TEXT};
 use rig_driver::registry::AddressError;
 use rig_setup::RigChoice;
 
+use crate::errand::Errands;
 use crate::run::Beside;
 
 /// Largest bag of a request, all its files together \[bytes\].
@@ -32,6 +33,8 @@ pub struct Permissions {
     inputs: Option<PathBuf>,
     /// What the program has besides.
     beside: Beside,
+    /// Work that it offers beside experiments.
+    errands: Errands,
 }
 
 /// What a file is to a request.
@@ -70,6 +73,7 @@ impl Permissions {
             inputs,
             profile: None,
             beside: Beside::default(),
+            errands: Errands::default(),
         };
         permissions.rigs = rigs.into_iter().map(|rig| permissions.of_this_axis(rig)).collect();
         permissions
@@ -85,6 +89,34 @@ impl Permissions {
     #[must_use]
     pub const fn besides(&self) -> &Beside {
         &self.beside
+    }
+
+    /// The same for a program that offers this work beside experiments.
+    #[must_use]
+    pub fn offering(self, errands: Errands) -> Self {
+        Self { errands, ..self }
+    }
+
+    /// Work that the program offers beside experiments.
+    #[must_use]
+    pub const fn errands(&self) -> &Errands {
+        &self.errands
+    }
+
+    /// The folder of work that is to go on: one of the runs'.
+    ///
+    /// # Errors
+    /// [`Refusal::BadRequest`]; nothing of it was read.
+    pub fn begun(&self, name: &str) -> Result<PathBuf, Refusal> {
+        let path = self.output(name)?;
+        if path.is_dir() {
+            return Ok(path);
+        }
+        Err(Refusal::BadRequest(format!(
+            "there is no folder `{}` in the folder of runs, {}: a request that goes on names one that a request before left there",
+            shown(name),
+            self.runs.display()
+        )))
     }
 
     /// Where runs go that name no folder.

@@ -161,6 +161,13 @@ impl Rig for SerialRig {
         Ok(())
     }
 
+    /// By its clock and by its cycles, whichever says less: either may wrap around.
+    fn powered_for(&self) -> Option<f64> {
+        let (device, ..) = self.newest?;
+        let by_cycles = f64::from(device.cycle) * self.scaling.period();
+        Some(by_cycles.min(device.time_us as f64 / 1e6))
+    }
+
     fn held_by(&self) -> Option<RigError> {
         let (device, ..) = self.newest?;
         let latched = matches!(device.state, State::Fault | State::EmergencyStopped);

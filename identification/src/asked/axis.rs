@@ -1,0 +1,191 @@
+//! The part of `frictionlab identify` that identifies an axis from a recording of what drives it.
+
+use std::sync::atomic::AtomicBool;
+
+use anyhow::Context;
+use friction_ident::{AxisTerm, IdentError};
+use recording::{AxisKind, Recording};
+use work::progress::Progress;
+use work::{BadInput, Interrupted};
+
+use super::friction::FILES;
+use super::{IdentifyArgs, conditioning, motor, read};
+use crate::axis::structure::{StructureChoice, Structured, structured};
+use crate::axis::{self, Identification, IdentifyError, Settings};
+
+/// What is to be identified, read.
+#[derive(Debug)]
+pub struct Asked<'a> {
+    args: &'a IdentifyArgs,
+    recording: Recording,
+    validation: Option<Recording>,
+    settings: Settings,
+    /// Nothing tells whether the axis is linear or rotary.
+    assumed: bool,
+}
+
+impl<'a> Asked<'a> {
+    /// Reads the recordings as the options say.
+    ///
+    /// # Errors
+    /// [`BadInput`] or [`RecordingError`](recording::RecordingError) for whatever is wrong with the
+    /// options or the files.
+    pub fn read(args: &'a IdentifyArgs) -> anyhow::Result<Self> {
+        let motor = motor(args)?;
+        let Some(recording) = read(&args.files, args, &motor)? else {
+            let missing = "a file is missing: give a CSV file or a bag";
+            return Err(BadInput(missing.to_owned()).into());
+        };
+        let validation = read(&args.validate, args, &motor)?;
+        let settings = Settings {
+            conditioning: conditioning(args, &recording),
+            inertia: !(args.without_inertia || recording.friction_only),
+            offset: !args.without_offset,
+            axis: args.axis.or(recording.axis).unwrap_or(AxisKind::Linear),
+            gravity: args.axis.or(recording.axis) != Some(AxisKind::Linear),
+            structured: args.structure.is_some(),
+            free_run: args.free_run,
+        };
+        let assumed = recording.axis.is_none() && args.axis.is_none();
+        Ok(Self { args, recording, validation, settings, assumed })
+    }
+
+    /// Identifies the plain models. Structures are compared by [`compare`](Self::compare).
+    ///
+    /// # Errors
+    /// [`BadInput`] for what cannot be identified.
+    pub fn identify(self) -> anyhow::Result<Found> {
+        let Self { args, recording, validation, settings, assumed } = self;
+        let mut found =
+            axis::identify(&recording, validation.as_ref(), &settings).map_err(with_option)?;
+        if assumed {
+            found.notes.push(
+                "The column names do not tell whether the axis is linear or rotary; units are shown for a linear one. \
+                 Say --axis rotary if it turns."
+                    .to_owned(),
+            );
+        }
+        if args.structure.is_some() && !settings.inertia {
+            let refused = "--structure needs a driving force, but this recording's force is friction alone; with a bag add --torque-from-voltage";
+            return Err(BadInput(refused.to_owned()).into());
+        }
+        Ok(Found { found, structured: None, recording, validation, settings })
+    }
+}
+
+/// What was found of an axis.
+#[derive(Debug)]
+pub struct Found {
+    /// The plain models.
+    pub found: Identification,
+    /// The structure of the axis, where it was asked for.
+    pub structured: Option<Structured>,
+    /// What it was found from.
+    pub recording: Recording,
+    /// What it was tried on.
+    pub validation: Option<Recording>,
+    settings: Settings,
+}
+
+impl Found {
+    /// Compares structures. Once `cancel` is set it ends with what there is.
+    ///
+    /// # Errors
+    /// [`BadInput`] for what cannot be compared; [`Interrupted`] where nothing was compared before
+    /// `cancel` was set.
+    pub fn compare(
+        &mut self,
+        wanted: &StructureChoice,
+        progress: &Progress,
+        cancel: &AtomicBool,
+    ) -> anyhow::Result<()> {
+        let Self { recording, validation, settings, .. } = self;
+        let estimation = axis::conditioned(recording, settings).map_err(with_option)?;
+        let other = validation.as_ref().map(|other| axis::conditioned(other, settings));
+        let other = other.transpose().map_err(with_option)?;
+        let found =
+            structured(&estimation, other.as_ref(), wanted, settings.axis, progress, cancel);
+        progress.finish();
+        let found =
+            found.map_err(|error| BadInput(format!("{}: {error}", recording.path.display())))?;
+        if found.is_none() {
+            let stopped = "stopped before any structure was compared; nothing was written";
+            return Err(Interrupted(stopped.to_owned()).into());
+        }
+        if let Some(structured) = &found {
+            self.found.warnings.splice(0..0, structured.warnings.iter().cloned());
+        }
+        self.structured = found;
+        Ok(())
+    }
+
+    /// What is told on a terminal.
+    #[must_use]
+    pub fn terminal(&self) -> String {
+        let mut text =
+            axis::terminal::render(&self.found, &self.recording, self.validation.as_ref());
+        if let Some(structured) = &self.structured {
+            text.push_str(&axis::structure_page::terminal(structured));
+        }
+        text
+    }
+
+    /// The document for programs, `identification.json`.
+    ///
+    /// # Errors
+    /// If something of it cannot be said in JSON, a mistake of this program.
+    pub fn document(&self) -> anyhow::Result<String> {
+        let Self { found, recording, validation, .. } = self;
+        let document = axis::document::render(found, recording, validation.as_ref());
+        match &self.structured {
+            Some(structured) => with_structure(&document, structured),
+            None => Ok(document),
+        }
+    }
+
+    /// The contents of [`FILES`].
+    ///
+    /// # Errors
+    /// If something of it cannot be said in JSON or YAML, a mistake of this program.
+    pub fn contents(&self) -> anyhow::Result<[String; 3]> {
+        let Self { found, structured, recording, .. } = self;
+        let (structured, validation) = (structured.as_ref(), self.validation.as_ref());
+        let page = axis::page::page(found, structured, recording, validation);
+        let name = recording.path.display().to_string();
+        let parameters = match structured {
+            Some(structured) => axis::structure_parameters::render(structured, &name)?,
+            None => axis::parameters::render(found, &name),
+        };
+        let page = report::linked(page, [FILES[2], FILES[0]]);
+        Ok([self.document()?, report::render_page(&page), parameters])
+    }
+}
+
+/// The document with the structure in it.
+fn with_structure(document: &str, found: &Structured) -> anyhow::Result<String> {
+    let mut tree: serde_json::Value =
+        serde_json::from_str(document).context("cannot describe the results")?;
+    tree["structure"] = axis::structure_page::document(found);
+    Ok(format!("{tree:#}\n"))
+}
+
+/// The error with the option that mends it.
+fn with_option(error: IdentifyError) -> BadInput {
+    let option = match &error.source {
+        IdentError::Cutoff { .. } => " (--cutoff HZ)",
+        IdentError::Order(_) => " (--order N)",
+        IdentError::Decimation(_) => " (--decimate N)",
+        IdentError::TooFewSamples { .. } => " (--trim N, --order N, --decimate N)",
+        IdentError::NegativeInertia { .. } => {
+            " (--structure auto, --force-column NAME:-SCALE, --without-inertia)"
+        }
+        IdentError::NotExcited { terms } if terms.contains(&AxisTerm::Inertia) => {
+            " (--without-inertia)"
+        }
+        IdentError::NotExcited { terms } if terms.contains(&AxisTerm::Offset) => {
+            " (--without-offset)"
+        }
+        _ => "",
+    };
+    BadInput(format!("{error}{option}"))
+}

@@ -1,0 +1,35 @@
+"""The friction laboratory in Python: friction models, simulated and identified.
+
+>>> import frictionlab
+>>> frictionlab.Model("lugre").title
+'LuGre'
+"""
+
+from ._native import Contact, __version__
+from .errors import BadInput, Failure, FrictionlabError
+from .identification import Estimate, Fit, Identification, identify
+from .models import Model, ModelInfo, Parameter, models
+from .simulation import Simulation, simulate
+from .studies import Design, Features, design, features
+
+__all__ = [
+    "BadInput",
+    "Contact",
+    "Design",
+    "Estimate",
+    "Failure",
+    "Features",
+    "Fit",
+    "FrictionlabError",
+    "Identification",
+    "Model",
+    "ModelInfo",
+    "Parameter",
+    "Simulation",
+    "__version__",
+    "design",
+    "features",
+    "identify",
+    "models",
+    "simulate",
+]
