@@ -3,6 +3,7 @@
 mod first_page;
 mod page;
 mod parameters;
+mod structure;
 mod summary;
 mod worth;
 

@@ -6,7 +6,7 @@ use report::numbers::significant;
 
 use super::Found;
 use super::summary::{arm, drift, ending, margin, proved, velocity};
-use super::{first_page, worth};
+use super::{first_page, structure, worth};
 use crate::Ranged;
 use crate::axis::Known;
 use crate::friction::wanted::Wanted;
@@ -24,9 +24,9 @@ pub(super) fn page(found: &Found, known: &Known, wanted: &Wanted, folder: &str) 
         text(format!("Friction: {}.", ending(friction, wanted))),
     ]);
     blocks.extend(friction.change.map(|change| Block::Note(format!("Drift: {}.", drift(change)))));
+    blocks.extend([table(found), Block::Figure(curve(found))]);
+    blocks.extend(structure::blocks(found));
     blocks.extend([
-        table(found),
-        Block::Figure(curve(found)),
         Block::Heading("Control".to_owned()),
         arms(found),
         text(format!(
@@ -41,7 +41,7 @@ pub(super) fn page(found: &Found, known: &Known, wanted: &Wanted, folder: &str) 
     blocks.extend(worth::blocks(&found.control));
     blocks.extend([
         text(format!("Velocity loop: {}.", velocity(found))),
-        text("Not measured: pre-sliding stiffness, frictional lag, dependence on the position, torque in N m. `frictionlab run characterise` and `frictionlab identify` measure them.".to_owned()),
+        text("Not measured: pre-sliding stiffness, frictional lag, the width of a play, torque in N m. `frictionlab run characterise` and `frictionlab identify` measure them.".to_owned()),
     ]);
     Page {
         title: "Commission".to_owned(),

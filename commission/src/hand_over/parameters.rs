@@ -8,7 +8,7 @@ use parameters::{Declared, ParameterValue};
 use super::Found;
 use crate::CommissionError;
 use crate::axis::Known;
-use crate::bed::Bed;
+use crate::bed::{Arm, Bed};
 
 /// The file as text.
 pub(super) fn render(known: &Known, found: &Found, bed: &Bed) -> Result<String, CommissionError> {
@@ -20,6 +20,12 @@ pub(super) fn render(known: &Known, found: &Found, bed: &Bed) -> Result<String, 
         "Friction is told in volts: volts_per_newton_metre is 1, and what is called N m is V.",
     );
     let period = ParameterValue::Double(known.period);
+
+    if found.control.arm == Arm::Load {
+        file.comment(
+            "The places of load.* are the rig's own count of that day: where it begins to count elsewhere, set the four to zero.",
+        );
+    }
 
     file.node("/rig_driver");
     file.value("voltage_limit", ParameterValue::Double(known.voltage), "as it was commissioned");

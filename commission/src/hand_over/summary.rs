@@ -78,6 +78,7 @@ pub fn summary(found: &Found, wanted: &Wanted) -> String {
         row("drift", drift(change));
     }
     row("model", chosen.kind.to_string());
+    row("structure", super::structure::summary(found));
     row(
         "loop",
         format!(
@@ -92,6 +93,9 @@ pub fn summary(found: &Found, wanted: &Wanted) -> String {
     row("margin", margin(found));
     row("velocity loop", velocity(found));
     row("proof", proved(found));
+    if let Some(said) = super::structure::moves(found) {
+        row("moves", said);
+    }
     row("rig time", format!("{:.0} s", found.seconds));
     text
 }

@@ -91,7 +91,8 @@ fn rows(trail: &Trail, columns: &[Column], level: bool) -> (DMatrix<f64>, DVecto
 impl Fitted {
     /// Fits the columns; none where the blocks are too few, or do not tell the columns apart.
     pub(super) fn of(trails: &[&Trail], columns: &[Column], level: bool) -> Option<Self> {
-        let clusters = clusters(trails);
+        // A wave shows at a few speeds only: of each block its own phase is what scatters.
+        let clusters = if level { (0..trails.len()).collect() } else { clusters(trails) };
         let count = clusters.iter().max()? + 1;
         let free = count.checked_sub(columns.len() + 1).filter(|free| *free > 0)?;
         let blocks: Vec<_> = trails.iter().map(|trail| rows(trail, columns, level)).collect();
