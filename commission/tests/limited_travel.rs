@@ -22,7 +22,7 @@ fn ended(seed: u64) -> Machine {
 
 fn commissioned(
     machine: &Machine,
-    travel: TravelAsked,
+    travel: impl Into<Option<TravelAsked>>,
     folder: &Path,
 ) -> (Result<Outcome, CommissionError>, String) {
     let file = folder.join("machine.json");
@@ -30,7 +30,7 @@ fn commissioned(
     let place = file.display().to_string();
     let rig: RigChoice = format!("machine:{place}").parse().unwrap();
     let setup = RigSetup { limits: machine.limits, ..RigSetup::default() };
-    let travel = Some(travel);
+    let travel = travel.into();
     let asked = Asked { rig, setup, wanted: Wanted::default(), travel, allowed: 600.0 };
     let go = || {
         let known = run::look(&asked)?;
@@ -40,6 +40,20 @@ fn commissioned(
         run::run(&asked, &known, &dossier, &Arc::default(), &Progress::new(1.0, true))
     };
     (go(), place)
+}
+
+/// The way back to where a block begins was as fast as the travel is long.
+#[test]
+fn a_slow_speed_limit_holds_on_the_way_to_where_a_block_begins_too() {
+    let _ = RigRegistry::standard().with(MachineFactory).install();
+    let folder = tempfile::tempdir().unwrap();
+    let machine = random::machine(88_003);
+    let allowed = machine.limits.velocity.unwrap();
+    // Its travel is that of its file.
+    let (outcome, place) = commissioned(&machine, None, folder.path());
+    let said = outcome.err().map(|error| error.to_string()).unwrap_or_default();
+    assert!(!said.contains("overspeed"), "{said}");
+    assert!(peaks(&place).unwrap().velocity <= 1.1 * allowed, "{:?}", peaks(&place));
 }
 
 #[test]

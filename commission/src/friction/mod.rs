@@ -52,6 +52,8 @@ const FAILED: usize = 12;
 const ENOUGH: usize = 16;
 /// Predicted shrinking of the worst interval below which another block does not help.
 const WORTH: f64 = 0.01;
+/// Share of the speed limit that the mean speed is on the way to where a block begins.
+const HOMEWARD: f64 = 0.2;
 /// Share of the breakaway voltage that is fed forward in motion.
 const KINETIC: f64 = 0.8;
 
@@ -145,6 +147,7 @@ pub fn blocks(
         delay: plant.delay,
         encoder_step: plant.encoder_step,
         reach,
+        homeward: HOMEWARD * known.velocity,
     }
 }
 
