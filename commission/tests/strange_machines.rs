@@ -139,3 +139,48 @@ fn a_shaft_that_tears_loose_or_an_encoder_that_skips_stays_within_the_limits() {
         }
     }
 }
+
+/// The shaft runs away from its reference: the loop, or the safety layer, has it at once.
+#[test]
+fn a_loop_whose_encoder_turns_round_ends_at_zero_volts_within_the_limits() {
+    installed();
+    let folder = tempfile::tempdir().unwrap();
+    // In the blocks, and in the proof.
+    for after in [80.0, 330.0] {
+        let (error, place) = broken(Break::EncoderReversed, after, folder.path());
+        let text = error.to_string();
+        let limits = random::machine(1).limits;
+        let driven = peaks(&place).unwrap();
+        assert_eq!(driven.last_voltage, 0.0, "{after}: {text}");
+        assert!(driven.voltage <= 1.01 * limits.voltage.unwrap(), "{after}: {driven:?}");
+        assert!(driven.velocity <= 1.2 * limits.velocity.unwrap(), "{after}: {driven:?}");
+        assert!(
+            ["sign", "overspeed", "steadily", "encoder", "steady"].iter().any(|w| text.contains(w)),
+            "{after}: {text}"
+        );
+    }
+}
+
+/// A torque sensor is not used: at the end of its range it is told, or does no harm.
+#[test]
+fn a_torque_sensor_at_the_end_of_its_range_is_told_or_does_no_harm() {
+    installed();
+    let folder = tempfile::tempdir().unwrap();
+    for after in [0.0, 80.0] {
+        let mut machine = random::machine(1);
+        machine.sensed = machine_rig::Sensed { tachometer: true, torque: true, current: false };
+        machine.breaks = Some(Breakdown { what: Break::TorqueSaturated, after });
+        let name = format!("torque-{after}");
+        let (asked, place) = asked(&machine, folder.path(), &name);
+        let parameters = folder.path().join(&name).join("parameters.yaml");
+        match commissioned(&asked, folder.path(), &name) {
+            Ok(_) => assert!(parameters.is_file()),
+            Err(error) => {
+                let text = error.to_string();
+                assert!(text.contains("torque"), "{after}: {text}");
+                assert!(!parameters.exists(), "{after}: half a result");
+            }
+        }
+        assert_eq!(peaks(&place).unwrap().last_voltage, 0.0, "{after}");
+    }
+}

@@ -14,6 +14,10 @@ pub enum Break {
     EncoderUnplugged,
     /// The encoder loses counts in one direction, one of twenty.
     EncoderSkips,
+    /// The encoder counts the other way: a loop around it runs away.
+    EncoderReversed,
+    /// The torque sensor stands at the end of its range.
+    TorqueSaturated,
     /// The line is gone.
     Unplugged,
 }

@@ -129,7 +129,11 @@ where
                 self.play = None;
                 self.forces = Forces::default();
             }
-            Break::EncoderUnplugged | Break::EncoderSkips | Break::Unplugged => {}
+            Break::EncoderUnplugged
+            | Break::EncoderSkips
+            | Break::EncoderReversed
+            | Break::TorqueSaturated
+            | Break::Unplugged => {}
         }
     }
 }

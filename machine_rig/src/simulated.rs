@@ -27,6 +27,8 @@ pub(crate) struct Simulated {
     /// Position \[rad\] that the encoder lost, and where it stands once it is unplugged.
     lost: f64,
     unplugged_at: Option<f64>,
+    /// True position at which the encoder turned its count round \[rad\].
+    reversed_at: Option<f64>,
     position_before: f64,
     pub(crate) peaks: Peaks,
 }
@@ -64,6 +66,7 @@ impl Simulated {
             broken: false,
             lost: 0.0,
             unplugged_at: None,
+            reversed_at: None,
             position_before: 0.0,
             peaks: Peaks::default(),
             machine,
@@ -85,6 +88,7 @@ impl Simulated {
 
     /// What the encoder shows of the true position.
     fn shown(&self, position: f64) -> f64 {
+        let position = self.reversed_at.map_or(position, |at| 2.0 * at - position);
         self.unplugged_at.unwrap_or(position - self.lost) * self.machine.position_scale
     }
 
@@ -96,6 +100,11 @@ impl Simulated {
         let mean_velocity = 0.5 * (self.velocity_before + truth.velocity);
         let current =
             (self.on_motor - motor.back_emf() * mean_velocity) / motor.armature_resistance;
+        let torque = if self.is_broken(Break::TorqueSaturated) {
+            sensors.torque.range
+        } else {
+            truth.friction
+        };
         let noise = &mut self.noise;
         let mut tell = |there: bool, value: f64, channel: rig_driver::Channel| {
             if there { channel.read(value, noise) } else { 0.0 }
@@ -105,7 +114,7 @@ impl Simulated {
             encoder_position,
             tachometer_velocity: tell(sensed.tachometer, truth.velocity, sensors.tachometer),
             potentiometer_position: 0.0,
-            torque: tell(sensed.torque, truth.friction, sensors.torque),
+            torque: tell(sensed.torque, torque, sensors.torque),
             motor_current: sensed
                 .current
                 .then(|| sensors.current.read(current, &mut self.current_noise)),
@@ -125,6 +134,9 @@ impl Simulated {
             self.shaft.break_down(breaks.what);
             if breaks.what == Break::EncoderUnplugged {
                 self.unplugged_at = Some(self.shaft.truth(0.0).position - self.lost);
+            }
+            if breaks.what == Break::EncoderReversed {
+                self.reversed_at = Some(self.shaft.truth(0.0).position);
             }
         }
         let h = self.machine.period / f64::from(self.machine.substeps);
