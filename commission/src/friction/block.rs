@@ -10,7 +10,7 @@ use rig_driver::Measurement;
 use rig_setup::REST;
 use serde::{Deserialize, Serialize};
 
-use super::trail::Trail;
+use super::trail::{Driven, Trail};
 use crate::axis::{Axis, Bench};
 use crate::reach::Reach;
 use crate::{CommissionError, Stage};
@@ -137,7 +137,8 @@ impl Blocks {
         let lasts = WINDOWS as f64 * WINDOW;
         let begins = (self.settle(velocity), 2.0 * half - self.settle(velocity) - lasts);
         let told = (velocity, bench.origin(), bench.period());
-        let trail = self.trail(&seen, told, (begins, lasts));
+        let driven = Driven { gain: self.gain, inertia: self.inertia, delay: self.delay };
+        let trail = driven.trail(&seen, told, (begins, lasts));
         Ok(Some((Point { time, ..point }, trail)))
     }
 

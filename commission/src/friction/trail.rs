@@ -4,8 +4,6 @@
 use rig_driver::Measurement;
 use serde::{Deserialize, Serialize};
 
-use super::block::Blocks;
-
 /// Parts of each way.
 pub(crate) const PARTS: usize = 64;
 
@@ -26,11 +24,22 @@ pub struct Trail {
     pub backward: Vec<Part>,
 }
 
-impl Blocks {
+/// What turns a voltage into motion.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Driven {
+    /// Gain [rad/(V s)].
+    pub(super) gain: f64,
+    /// Voltage that an acceleration takes \[V s^2/rad\].
+    pub(super) inertia: f64,
+    /// Delay \[s\].
+    pub(super) delay: f64,
+}
+
+impl Driven {
     /// The trail of a block of which `seen` is told from `origin` \[rad\] on; its windows forwards
     /// and backwards begin at `begins` \[s\] and last for `seconds`.
     pub(super) fn trail(
-        &self,
+        self,
         seen: &[Measurement],
         (velocity, origin, period): (f64, f64, f64),
         (begins, seconds): ((f64, f64), f64),
@@ -45,7 +54,7 @@ impl Blocks {
     }
 
     fn way(
-        &self,
+        self,
         seen: &[Measurement],
         origin: f64,
         period: f64,
