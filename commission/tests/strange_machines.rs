@@ -39,6 +39,7 @@ fn strange_machines_are_commissioned_within_their_limits_and_their_parameters_li
     println!("{found}");
     // Of eight machines one may be refused; of a hundred five.
     assert!(found.commissioned >= if machines() == 8 { 0.87 } else { 0.95 }, "{found}");
+    assert_eq!(found.contradicting.0, found.contradicting.1, "{found}");
     assert_eq!(found.broken, 0, "{found}");
     assert!(found.held.0 >= if machines() == 8 { 0.8 } else { 0.92 }, "{found}");
     assert!(found.seconds.1 <= 600.0, "{found}");

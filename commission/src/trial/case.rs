@@ -13,6 +13,7 @@ use work::progress::Progress;
 use super::finish::{Finish, finish};
 use super::told::{Told, told};
 use super::truth::{Truth, load, truth};
+use super::user::Mistake;
 use crate::axis::{Axis, Known};
 use crate::bed::{Arm, Bed, amplitude};
 use crate::friction::Curve;
@@ -85,6 +86,10 @@ pub struct Case {
     pub commissioned: Option<Commissioned>,
     /// Otherwise the stage that ended it, and what it said.
     pub refused: Option<(Stage, String)>,
+    /// Whether its user's file contradicts itself or the rig, so that it is to be refused.
+    pub cannot: bool,
+    /// Whether it was refused for that, before anything moved.
+    pub rightly: bool,
     /// The farthest that it was driven.
     pub peaks: Peaks,
     /// Voltage and speed that were allowed; the speed as the shaft has it where the encoder tells
@@ -128,8 +133,10 @@ pub fn case(
     let rig: RigChoice = format!("machine:{place}")
         .parse()
         .map_err(|error| CommissionError::Asked(format!("{error}")))?;
-    // The user's file has the limits that the maker of the machine gives.
-    let setup = RigSetup { limits: machine.limits, ..RigSetup::default() };
+    // The user's file has the limits that the maker of the machine gives, or nearly.
+    let mistake = Mistake::of(machine);
+    let told = mistake.map_or(machine.limits, |mistake| mistake.made(machine));
+    let setup = RigSetup { limits: told, ..RigSetup::default() };
     // Ends that its user does not know are looked for, and touched.
     let sought = machine.stops.is_some() && machine.limits.travel.is_none();
     let travel = sought.then_some(TravelAsked::Find(ANGLE));
@@ -140,6 +147,8 @@ pub fn case(
         friction: machine.friction.name().to_string(),
         commissioned: None,
         refused: None,
+        cannot: mistake.is_some(),
+        rightly: false,
         peaks: Peaks::default(),
         limits,
         creeping: if sought { GENTLE } else { CREEPING }
@@ -149,7 +158,13 @@ pub fn case(
     let known = match crate::run::look(&asked) {
         Ok(known) => known,
         Err(error) => {
-            case.refused = Some((Stage::Meet, error.to_string()));
+            let why = error.to_string();
+            let moved = peaks(&place).is_some_and(|peaks| peaks.voltage > 0.0);
+            case.rightly = !moved
+                && error.is_bad_input()
+                && mistake.is_some_and(|mistake| mistake.is_named(&why));
+            case.refused = Some((Stage::Meet, why));
+            forget(&place);
             return Ok(case);
         }
     };

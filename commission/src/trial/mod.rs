@@ -6,6 +6,7 @@ mod finish;
 mod table;
 mod told;
 mod truth;
+mod user;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -103,6 +104,8 @@ fn one(
             friction: machine.friction.name().to_string(),
             commissioned: None,
             refused: Some((Stage::Meet, "the program panicked".to_owned())),
+            cannot: false,
+            rightly: false,
             peaks: machine_rig::peaks(&file.display().to_string()).unwrap_or_default(),
             limits: (0.0, 0.0),
             creeping: 0.0,

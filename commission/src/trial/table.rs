@@ -13,8 +13,10 @@ use crate::friction::wanted::CurveParameter;
 pub struct Table {
     /// Machines.
     pub machines: usize,
-    /// Share that was commissioned.
+    /// Share that was commissioned, of those whose user's file contradicts nothing.
     pub commissioned: f64,
+    /// Machines whose user's file does, and those that were refused for that before anything moved.
+    pub contradicting: (usize, usize),
     /// Share of the parameters that lie in their 95 % intervals, and their number.
     pub held: (f64, usize),
     /// Rig time: median, 95th percentile \[s\].
@@ -111,7 +113,14 @@ pub fn table(cases: &[Case]) -> Table {
     };
     Table {
         machines: cases.len(),
-        commissioned: share(done.len(), cases.len()),
+        commissioned: share(
+            cases.iter().filter(|case| !case.cannot && case.commissioned.is_some()).count(),
+            cases.iter().filter(|case| !case.cannot).count(),
+        ),
+        contradicting: (
+            cases.iter().filter(|case| case.cannot).count(),
+            cases.iter().filter(|case| case.rightly).count(),
+        ),
         held: (share(held.iter().filter(|held| **held).count(), held.len()), held.len()),
         seconds: quantiles(done.iter().map(|case| case.seconds).collect()),
         error: quantiles(done.iter().filter_map(|case| over_oracle(case)).collect()),
@@ -157,8 +166,11 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let percent = |share: f64| report::numbers::percent(100.0 * share, 1);
+        let (cannot, rightly) = self.contradicting;
         writeln!(f, "machines                    {}", self.machines)?;
-        writeln!(f, "commissioned                {}", percent(self.commissioned))?;
+        let can = self.machines - cannot;
+        writeln!(f, "commissioned                {} of {can}", percent(self.commissioned))?;
+        writeln!(f, "refused with right reason   {rightly} of {cannot} contradicting files")?;
         writeln!(f, "parameters in their 95 %    {} of {}", percent(self.held.0), self.held.1)?;
         writeln!(f, "rig time, median            {:.0} s", self.seconds.0)?;
         writeln!(f, "rig time, 95th percentile   {:.0} s", self.seconds.1)?;
