@@ -34,6 +34,10 @@ const SMALL: (f64, f64, f64) = (0.2, 0.6, 4.0);
 const HELD: f64 = 2.0;
 /// A step is that share of the task's amplitude.
 const STEPS: f64 = 0.25;
+/// How much larger than the farthest that was missed, and than before, the angle of rest is made
+/// where the shaft hunted.
+const LEFT: f64 = 1.5;
+const LARGER: f64 = 2.0;
 /// Highest speed of a step over that of the task, and how often it is halved for that.
 const BRISK: f64 = 2.0;
 const HALVED: u32 = 6;
@@ -78,6 +82,10 @@ pub struct Proof {
     /// How much of the friction is compensated in the end, of what the curve says.
     #[serde(default = "whole")]
     pub level: f64,
+    /// Error up to which the integral stands still in the end \[rad\]: larger than before where the
+    /// shaft hunted while it was held.
+    #[serde(default)]
+    pub resting_angle: Option<f64>,
 }
 
 /// Rig time of the stage \[s\].
@@ -112,14 +120,16 @@ pub fn proof(axis: &mut Axis<'_>, bed: &Bed, arm: Arm) -> Result<Proof, Commissi
         pairs.push((root_mean_square(&missed(&before)), root_mean_square(&missed(&after))));
         heard.push(after);
     }
-    let moves = moves(axis, &bench, bed, arm)?;
+    let (moves, farthest) = moves(axis, &bench, bed, arm)?;
+    let hunted = moves.as_ref().is_some_and(|moves| moves.hunted.1 > 0);
+    let resting_angle = hunted.then(|| (LEFT * farthest).max(LARGER * bed.resting_angle()));
     let ratio = ratio(&pairs);
     let last = heard.split_off(heard.len().saturating_sub(LAST));
     let level = match bed.fed_back() {
         None => level_now(bed.level(), &last),
         Some(_) => bed.level(),
     };
-    Ok(Proof { arm, pairs, ratio, moves, drift, level })
+    Ok(Proof { arm, pairs, ratio, moves, drift, level, resting_angle })
 }
 
 /// What is done by the linear gains alone, and what by `arm`; which comes first changes with `pair`.
@@ -144,6 +154,8 @@ struct Held {
     small: f64,
     /// What is missed while it is held.
     missed: f64,
+    /// The most that is missed then.
+    farthest: f64,
     hunted: usize,
 }
 
@@ -152,7 +164,7 @@ fn moves(
     bench: &Bench,
     bed: &Bed,
     arm: Arm,
-) -> Result<Option<Moves>, CommissionError> {
+) -> Result<(Option<Moves>, f64), CommissionError> {
     let step = step(bed, arm)?;
     let small = (SMALLER * bed.amplitude()).max(COUNTS * bed.encoder_step());
     let sizes = (step, small.min(STEPS * bed.amplitude()));
@@ -168,7 +180,7 @@ fn moves(
         pairs.push(in_turn(pair, arm, &mut run)?);
     }
     if pairs.is_empty() {
-        return Ok(None);
+        return Ok((None, 0.0));
     }
     let both = |of: fn(&Held) -> f64| -> Vec<(f64, f64)> {
         pairs.iter().map(|(before, after)| (of(before), of(after))).collect()
@@ -178,7 +190,8 @@ fn moves(
     let mean =
         |of: fn(&(f64, f64)) -> f64| root_mean_square(&left.iter().map(of).collect::<Vec<f64>>());
     let is_compared = arm != Arm::Linear;
-    Ok(Some(Moves {
+    let farthest = pairs.iter().map(|(_, after)| after.farthest).fold(0.0, f64::max);
+    let moves = Moves {
         sizes,
         step_ratio: ratio(&steps).filter(|_| is_compared),
         small_ratio: ratio(&small).filter(|_| is_compared),
@@ -186,7 +199,8 @@ fn moves(
         hunted: (hunted(|pair| pair.0.hunted), hunted(|pair| pair.1.hunted), 2 * pairs.len()),
         steps,
         small,
-    }))
+    };
+    Ok((Some(moves), farthest))
 }
 
 /// A step that is no faster than twice the task, in simulation \[rad\].
@@ -218,7 +232,13 @@ fn held(
         let rests = errors.len().saturating_sub((HELD / period).round() as usize);
         let end = errors.get(rests..).unwrap_or_default();
         let hunts = hunting::hunts(end, bed.encoder_step());
-        Ok::<_, CommissionError>((root_mean_square(&errors), root_mean_square(end), hunts))
+        let farthest = end.iter().map(|error| error.abs()).fold(0.0, f64::max);
+        Ok::<_, CommissionError>((
+            root_mean_square(&errors),
+            root_mean_square(end),
+            hunts,
+            farthest,
+        ))
     };
     let step = does(Waveform::StepPosition { position: step, at: STEP.0 }, STEP)?;
     let wave = Waveform::MovePosition { position: -small, at: SMALL.0, duration: SMALL.1 };
@@ -227,6 +247,7 @@ fn held(
         step: step.0,
         small: small.0,
         missed: (0.5 * (step.1 * step.1 + small.1 * small.1)).sqrt(),
+        farthest: step.3.max(small.3),
         hunted: usize::from(step.2) + usize::from(small.2),
     })
 }

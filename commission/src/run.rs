@@ -147,7 +147,8 @@ pub fn run(
     axis.expect(proof::seconds_needed());
     let proof: Proof =
         stage(dossier, Stage::Proof, &mut axis, |axis| proof::proof(axis, &bed, control.arm))?;
-    let bed = bed.leveled(proof.level);
+    let bed =
+        bed.leveled(proof.level).resting(proof.resting_angle.unwrap_or(control.resting_angle));
 
     let seconds = axis.used();
     let rig = asked.rig.to_string();

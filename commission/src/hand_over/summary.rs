@@ -181,6 +181,12 @@ pub(super) fn velocity(found: &Found) -> String {
 
 /// Whether the shaft rests after a move.
 pub(super) fn rest(found: &Found) -> String {
+    if let Some(angle) = found.proof.resting_angle {
+        return format!(
+            "in the proof the shaft hunted while it was held; the integral stands still up to {} mrad of error now (`resting_angle`), which was not tried again: look at it, and set it larger if it still hunts",
+            significant(1e3 * angle, 3)
+        );
+    }
     let angle = 1e3 * found.control.resting_angle;
     match (found.control.rests, angle > 0.0) {
         (true, false) => "after a move the shaft rests".to_owned(),

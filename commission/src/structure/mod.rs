@@ -32,8 +32,10 @@ const UNSURE: f64 = 0.1;
 const KNOWN: f64 = 0.02;
 /// Waves that are told, at most.
 const WAVES: usize = 3;
-/// A wave has to be so many half widths of its interval.
+/// A wave has to be so many half widths of its interval, and a load, of which few speeds tell, so
+/// many: each is the best of several that were looked at.
 const STANDS_OUT: f64 = 2.0;
+const STANDS_UP: f64 = 3.0;
 /// A delay so far below zero is none \[s\].
 const EARLY: f64 = -2e-4;
 
@@ -135,10 +137,10 @@ impl Kind {
     fn is_clear(self, fitted: &Fitted, covered: f64, friction: f64) -> bool {
         let least = MATTERS * friction;
         let (gravity, spring) = self.sizes(fitted);
-        gravity.is_none_or(|(size, half)| size > half.max(least))
+        gravity.is_none_or(|(size, half)| size > (STANDS_UP * half).max(least))
             && spring.is_none_or(|(stiffness, half)| {
                 let size = if covered < BENDS { stiffness.abs() } else { stiffness };
-                size * covered > (half * covered).max(least)
+                size * covered > (STANDS_UP * half * covered).max(least)
             })
     }
 }

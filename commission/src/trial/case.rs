@@ -221,7 +221,7 @@ fn judge(
         axis.trust_the_encoder_alone();
     }
     let bed = Bed::of(known, &found.drive, (&found.friction, &found.chosen), found.control.design)?
-        .resting(found.control.resting_angle)
+        .resting(found.proof.resting_angle.unwrap_or(found.control.resting_angle))
         .leveled(found.proof.level)
         .feeding_back(found.control.fed_back);
     let arm = found.control.arm;
