@@ -19,7 +19,7 @@ use crate::interruption;
 /// Runs it.
 ///
 /// # Errors
-/// [`BadInput`] for what the user can mend, [`Interrupted`] after ctrl-C.
+/// [`BadInput`] for what the user can mend, [`Interrupted`](work::Interrupted) after ctrl-C.
 pub fn execute(args: &CommissionArgs) -> anyhow::Result<()> {
     checked(args)?;
     if let Some(machines) = args.trial {
