@@ -68,6 +68,25 @@ pub fn around(place: f64, (low, high): (f64, f64)) -> Travel {
     Travel { min: place + low + margin, max: place + high - margin, margin }
 }
 
+/// Refuses a travel that reaches beyond the `own` one of the rig's limits, or that is held less far
+/// before its ends.
+///
+/// # Errors
+/// [`CommissionError::Asked`] says what the limits allow.
+pub fn check_inside(asked: &Travel, own: &Travel) -> Result<(), CommissionError> {
+    let inside = asked.min >= own.min
+        && asked.max <= own.max
+        && asked.min - asked.margin >= own.min - own.margin
+        && asked.max + asked.margin <= own.max + own.margin;
+    if inside {
+        return Ok(());
+    }
+    Err(CommissionError::Asked(format!(
+        "--travel reaches from {:.3} to {:.3} rad by the encoder, and the limits of this rig allow {:.3} to {:.3} rad: say a narrower one, or leave it out; who wants a wider one changes the rig's profile",
+        asked.min, asked.max, own.min, own.max
+    )))
+}
+
 /// Refuses a travel that is too small, or in which the shaft does not stand.
 ///
 /// # Errors

@@ -9,6 +9,7 @@ use commission::travel::TravelAsked;
 use commission::{Asked, CommissionError, Dossier, Outcome, run};
 use machine_rig::{Machine, MachineFactory, Stops, peaks, random};
 use rig_driver::RigRegistry;
+use rig_driver::safety::Travel;
 use rig_setup::{RigChoice, RigLimits, RigSetup};
 use work::progress::Progress;
 
@@ -80,6 +81,25 @@ fn a_shaft_with_ends_never_meets_one() {
         }
     }
     assert!(commissioned_some);
+}
+
+/// Whoever asks, over the network too, is held to the travel of the rig's limits.
+#[test]
+fn a_travel_that_is_asked_for_is_never_wider_than_that_of_the_limits() {
+    let own = Travel { min: -1.0, max: 1.0, margin: 0.1 };
+    let limits = RigLimits { travel: Some(own), ..RigLimits::default() };
+    let setup = RigSetup { limits, ..RigSetup::default() };
+    let asked = |low, high| {
+        let travel = Some(TravelAsked::Around(low, high));
+        let (rig, wanted) = (RigChoice::Simulated, Wanted::default());
+        run::look(&Asked { rig, setup, wanted, travel, allowed: 600.0 })
+    };
+    for (low, high) in [(-3.0, 3.0), (-0.5, 1.5), (-100.0, 0.5)] {
+        let error = asked(low, high).unwrap_err();
+        assert!(error.is_bad_input() && error.to_string().contains("limits"), "{error}");
+    }
+    let travel = asked(-0.8, 0.7).unwrap().travel.unwrap();
+    assert!(travel.min >= -0.8 && travel.max <= 0.7, "{travel:?}");
 }
 
 #[test]

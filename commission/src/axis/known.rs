@@ -7,7 +7,7 @@ use rig_driver::{Calibration, Rig};
 use rig_setup::{BenchRig, Heat, RigDescription};
 
 use super::{Axis, Bench};
-use crate::travel::{Kept, TravelAsked};
+use crate::travel::{Kept, TravelAsked, switched_on};
 use crate::{CommissionError, reach};
 
 /// What is known of a rig before it moves.
@@ -29,8 +29,8 @@ pub struct Known {
     pub winding: Option<MotorThermal>,
     /// Where the shaft may be, by the rig's own count before it is calibrated.
     pub travel: Option<Travel>,
-    /// How long the device has run by its own clock, where it tells that \[s\].
-    pub powered_for: Option<f64>,
+    /// When the device was switched on by its own clock, where it tells that \[s since the Unix epoch\].
+    pub switched_on: Option<f64>,
     /// What the nodes that drive the rig put right before anybody sees it.
     pub corrected_by: Option<Calibration>,
 }
@@ -74,7 +74,7 @@ impl Axis<'_> {
             period: opened.rig.period(),
             winding: opened.limits.motor,
             travel: opened.limits.travel,
-            powered_for: None,
+            switched_on: None,
             corrected_by: self.opening.corrected_by(),
         };
         if let (Some(travel), Some(TravelAsked::Find(_))) = (known.travel, asked) {
@@ -85,11 +85,12 @@ impl Axis<'_> {
         }
         // Its first reading tells; a rig in lock-step has none to wait for.
         opened.rig.wait()?;
-        let known = Known { powered_for: opened.rig.powered_for(), ..known };
+        let powered_for = opened.rig.powered_for();
+        let known = Known { switched_on: powered_for.map(switched_on), ..known };
         let known = match kept {
             None => known,
             Some(kept) => {
-                kept.check(self.opening.rig.is_simulated(), known.powered_for)?;
+                kept.check(self.opening.rig.is_simulated(), powered_for)?;
                 Known { travel: Some(kept.travel), ..known }
             }
         };
@@ -104,7 +105,11 @@ impl Axis<'_> {
         opened.limits.travel = None;
         let bench = Bench(BenchRig::new(opened, Arc::clone(&self.stop))?);
         let place = bench.place()?;
-        let travel = around.map(|around| reach::around(place, around)).or(known.travel);
+        let asked = around.map(|around| reach::around(place, around));
+        if let (Some(asked), Some(own)) = (&asked, &known.travel) {
+            reach::check_inside(asked, own)?;
+        }
+        let travel = asked.or(known.travel);
         travel.as_ref().map_or(Ok(()), |travel| reach::check(travel, place))?;
         Ok(Known { travel, ..known })
     }
