@@ -143,13 +143,18 @@ impl Dossier {
         self.read(TRAVEL)
     }
 
-    /// Keeps a travel, counted now, in the place of the one before; none where it has no ends.
+    /// Keeps a travel, counted now by a device that was `switched_on` then, in the place of the one
+    /// before; none where it has no ends.
     ///
     /// # Errors
     /// [`CommissionError::Output`].
-    pub fn keep_travel(&self, travel: Option<Travel>) -> Result<(), CommissionError> {
+    pub fn keep_travel(
+        &self,
+        travel: Option<Travel>,
+        switched_on: Option<f64>,
+    ) -> Result<(), CommissionError> {
         match travel {
-            Some(travel) => self.write(TRAVEL, &travel::Kept::now(travel)),
+            Some(travel) => self.write(TRAVEL, &travel::Kept::now(travel, switched_on)),
             None => self.forget(TRAVEL),
         }
     }

@@ -108,11 +108,13 @@ pub fn run(
     axis.drive_only(known.description.clone());
     axis.stay_within(known.travel);
     if let Some(TravelAsked::Around(..)) = asked.travel {
-        dossier.keep_travel(known.travel)?;
+        dossier.keep_travel(known.travel, known.switched_on)?;
     }
 
     let met: Met = stage(dossier, Stage::Meet, &mut axis, |axis| {
-        meet::meet(axis, known, asked.travel, |travel| dossier.keep_travel(travel))
+        meet::meet(axis, known, asked.travel, |travel| {
+            dossier.keep_travel(travel, known.switched_on)
+        })
     })?;
     let known = &met.known(known);
     axis.stay_within(known.travel);

@@ -15,8 +15,11 @@ use crate::CommissionError;
 pub const ANGLE: f64 = 2.0 * std::f64::consts::TAU;
 /// The least and the largest that may be said \[rad\].
 const ANGLES: (f64, f64) = (0.5, 200.0);
-/// How much longer than that a device has to have run whose count is believed \[s\].
+/// How much longer than that a device has to have run whose count is believed, and how far two clocks
+/// may differ \[s\].
 const SURE: f64 = 2.0;
+/// How much they may drift apart, as a share of the time between.
+const DRIFT: f64 = 0.01;
 
 /// Where the shaft may be, as it is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,35 +62,55 @@ pub struct Kept {
     pub travel: Travel,
     /// When it was counted \[s since the Unix epoch\].
     pub at: f64,
+    /// When the device was switched on, as it told then \[s since the Unix epoch\].
+    pub switched_on: Option<f64>,
 }
 
 impl Kept {
-    /// Counted now.
+    /// Counted now, by a device that was switched on then.
     #[must_use]
-    pub fn now(travel: Travel) -> Self {
-        Self { travel, at: now() }
+    pub fn now(travel: Travel, switched_on: Option<f64>) -> Self {
+        Self { travel, at: now(), switched_on }
     }
 
     /// Refuses it where the rig's count may have begun anew since: `powered_for` is how long the
-    /// device says that it has run \[s\].
+    /// device says that it has run \[s\]. It has to have run since then, and to have been switched on
+    /// when it said before: a clock that was set back would hide a device that started anew.
     ///
     /// # Errors
     /// [`CommissionError::Asked`] says how to go on.
     pub fn check(&self, simulated: bool, powered_for: Option<f64>) -> Result<(), CommissionError> {
-        let since = now() - self.at;
-        if simulated || powered_for.is_some_and(|powered| powered > since + SURE) {
+        if simulated {
             return Ok(());
         }
-        let why = match powered_for {
-            Some(powered) => {
-                format!("the device started anew {powered:.0} s ago, and its encoder with it")
+        let since = now() - self.at;
+        let why = match (powered_for, self.switched_on) {
+            (Some(powered), Some(before)) => {
+                let apart = (switched_on(powered) - before).abs();
+                if powered <= since + SURE {
+                    format!("the device started anew {powered:.0} s ago, and its encoder with it")
+                } else if apart > SURE + DRIFT * since.max(0.0) {
+                    format!(
+                        "the device's clock and that of this computer differ by {apart:.0} s from what they said then, so that one was set or began anew"
+                    )
+                } else {
+                    return Ok(());
+                }
             }
-            None => "the device does not say whether its encoder has counted on".to_owned(),
+            (None, _) | (_, None) => {
+                "the device does not say whether its encoder has counted on".to_owned()
+            }
         };
         Err(CommissionError::Asked(format!(
             "the travel of this commission was counted from a place that nobody knows any more: {why}. Nothing has moved. Turn the shaft to the middle, and say --travel LOW:HIGH once more, from where it stands then, or --travel find"
         )))
     }
+}
+
+/// When a device was switched on that has run for so long \[s since the Unix epoch\].
+#[must_use]
+pub fn switched_on(powered_for: f64) -> f64 {
+    now() - powered_for
 }
 
 /// Seconds since the Unix epoch.
@@ -114,12 +137,16 @@ mod tests {
 
     #[test]
     fn a_kept_travel_holds_where_the_device_has_run_since() {
-        let kept =
-            Kept { at: now() - 100.0, ..Kept::now(Travel { min: -1.0, max: 1.0, margin: 0.1 }) };
+        let travel = Travel { min: -1.0, max: 1.0, margin: 0.1 };
+        let kept = Kept { travel, at: now() - 100.0, switched_on: Some(switched_on(3600.0)) };
         assert!(kept.check(false, Some(3600.0)).is_ok() && kept.check(true, None).is_ok());
         for powered_for in [Some(50.0), None] {
             let error = kept.check(false, powered_for).unwrap_err();
             assert!(error.is_bad_input() && error.to_string().contains("--travel"), "{error}");
         }
+        // The clock was set back by an hour, and the device started anew.
+        let ahead = Kept { at: now() + 3500.0, switched_on: Some(now() + 2900.0), ..kept };
+        let error = ahead.check(false, Some(5.0)).unwrap_err();
+        assert!(error.to_string().contains("was set or began anew"), "{error}");
     }
 }

@@ -67,7 +67,11 @@ fn measuring(mut opened: Opened) -> Result<Opened, RigSetupError> {
 /// [`NotReopened`] where it began anew, or does not say how long it has run.
 pub fn counted_on(opened: &Opened, heard: SystemTime) -> Result<(), NotReopened> {
     let look = "look where the shaft is, and begin again";
-    let since = silence(heard);
+    let Ok(since) = heard.elapsed().map(|since| since.as_secs_f64()) else {
+        return Err(NotReopened(format!(
+            "its travel is limited, and the clock of this computer was set back, so that nobody knows whether its encoder counted on: {look}"
+        )));
+    };
     match opened.rig.powered_for() {
         Some(powered) if powered > since + SURE => Ok(()),
         Some(powered) => Err(NotReopened(format!(

@@ -32,7 +32,7 @@ pub(super) fn said(recording: &Recording, how: &Conditioning) -> Vec<(bool, Stri
             String::new()
         };
         let text = format!(
-            "{}: the {name} changes only at every {samples}th sample: it is refreshed at {} Hz and held between, late by half of that on average (--structure auto finds such a delay).{most}",
+            "{}: the {name} changes only once in {samples} samples: it is refreshed at {} Hz and held between, late by half of that on average (--structure auto finds such a delay).{most}",
             recording.path.display(),
             hertz(refreshed)
         );
