@@ -2,7 +2,7 @@
 //! real time.
 
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 
 use serde_json::Value;
 use tests::emulated_rig::{EmulatedRig, SHORT_PROTOCOL, said};
@@ -16,6 +16,35 @@ fn run(rig: &str, folder: &Path, arguments: &[&str]) -> Command {
         command.arg(rig);
     }
     command
+}
+
+/// Whether a busy machine starved the line until the run gave up: another disturbance than the
+/// test's.
+fn starved(output: &Output) -> bool {
+    let text = said(output);
+    let failed = text.split_once("The line to the rig failed ").map(|(_, behind)| behind);
+    let times = failed.and_then(|text| text.split(' ').next()?.parse::<u32>().ok());
+    times.is_some_and(|times| times >= 20)
+}
+
+/// Tries what a busy machine starved anew, from a new rig.
+fn tries<T>(once: impl Fn() -> Option<T>) -> T {
+    (0..10).find_map(|_| once()).expect("one of ten runs whose line is not starved")
+}
+
+/// A run of the rig once its motor had volts in `least` cycles; none where its line was starved.
+fn underway(rig: &mut EmulatedRig, out: &Path, least: u64) -> Option<Child> {
+    let mut child = run(&rig.choice(), rig.folder(), &[&format!("--out={}", out.display())])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    if rig.driven_by(&mut child, least) {
+        return Some(child);
+    }
+    let output = child.wait_with_output().expect("its end");
+    assert!(starved(&output), "{}", said(&output));
+    None
 }
 
 /// The points that were measured: velocity and torque.
@@ -39,11 +68,14 @@ fn alike((real, offline): (&(f64, f64), &(f64, f64))) -> bool {
 fn an_experiment_on_the_device_measures_what_it_measures_offline() {
     let rig = EmulatedRig::start(&[]);
     let measure = |choice: &str, name: &str| {
-        let out = rig.folder().join(name);
-        let output = run(choice, rig.folder(), &[&format!("--out={}", out.display())])
-            .output()
-            .expect("it runs");
-        assert!(output.status.success(), "{}", said(&output));
+        let out = tries(|| {
+            let out = tempfile::tempdir_in(rig.folder()).expect("a folder").keep().join(name);
+            let output = run(choice, rig.folder(), &[&format!("--out={}", out.display())])
+                .output()
+                .expect("it runs");
+            assert!(output.status.success() || starved(&output), "{}", said(&output));
+            output.status.success().then_some(out)
+        });
         let found = points(&out);
         assert_eq!(found.len(), 8);
         (out, found)
@@ -73,51 +105,44 @@ fn an_experiment_on_the_device_measures_what_it_measures_offline() {
 
 #[test]
 fn a_cable_pulled_in_the_middle_ends_the_run_with_a_sentence_and_keeps_what_was_measured() {
-    let mut rig = EmulatedRig::start(&[]);
-    let out = rig.folder().join("real");
-    let mut child = run(&rig.choice(), rig.folder(), &[&format!("--out={}", out.display())])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("it starts");
-    // In the third point.
-    assert!(
-        rig.driven_by(&mut child, 2 * 1700 + 500),
-        "{}",
-        said(&child.wait_with_output().unwrap())
-    );
-    rig.order("unplug 100000");
-    let output = child.wait_with_output().expect("it ends");
-    let text = said(&output);
-    assert_eq!(output.status.code(), Some(1), "{text}");
-    assert!(text.contains("the run ended early") && text.contains("is gone"), "{text}");
-    assert!(text.contains("did not come back within 30 s"), "{text}");
-    assert!(!points(&out).is_empty() && points(&out).len() < 8, "{:?}", points(&out));
-    assert!(out.join("bag/metadata.yaml").is_file());
-    assert_eq!(rig.finish()["voltage"], 0);
+    tries(|| {
+        let mut rig = EmulatedRig::start(&[]);
+        let out = rig.folder().join("real");
+        // In the third point.
+        let child = underway(&mut rig, &out, 2 * 1700 + 500)?;
+        rig.order("unplug 100000");
+        let output = child.wait_with_output().expect("it ends");
+        if starved(&output) {
+            return None;
+        }
+        let text = said(&output);
+        assert_eq!(output.status.code(), Some(1), "{text}");
+        assert!(text.contains("the run ended early") && text.contains("is gone"), "{text}");
+        assert!(text.contains("did not come back within 30 s"), "{text}");
+        assert!(!points(&out).is_empty() && points(&out).len() < 8, "{:?}", points(&out));
+        assert!(out.join("bag/metadata.yaml").is_file());
+        assert_eq!(rig.finish()["voltage"], 0);
+        Some(())
+    });
 }
 
 /// A run in which `order` is given to the device in the middle of the third point; what it printed,
 /// its exit code and its results.
 fn disturbed(order: &str) -> (String, Option<i32>, Value, Value) {
-    let mut rig = EmulatedRig::start(&[]);
-    let out = rig.folder().join("real");
-    let mut child = run(&rig.choice(), rig.folder(), &[&format!("--out={}", out.display())])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("it starts");
-    assert!(
-        rig.driven_by(&mut child, 2 * 1700 + 500),
-        "{}",
-        said(&child.wait_with_output().unwrap())
-    );
-    rig.order(order);
-    let output = child.wait_with_output().expect("it ends");
-    let text = std::fs::read_to_string(out.join("run.json")).expect("run.json");
-    let results = serde_json::from_str(&text).expect("JSON");
-    assert!(out.join("bag/metadata.yaml").is_file());
-    (said(&output), output.status.code(), results, rig.finish())
+    tries(|| {
+        let mut rig = EmulatedRig::start(&[]);
+        let out = rig.folder().join("real");
+        let child = underway(&mut rig, &out, 2 * 1700 + 500)?;
+        rig.order(order);
+        let output = child.wait_with_output().expect("it ends");
+        if starved(&output) {
+            return None;
+        }
+        let text = std::fs::read_to_string(out.join("run.json")).expect("run.json");
+        let results = serde_json::from_str(&text).expect("JSON");
+        assert!(out.join("bag/metadata.yaml").is_file());
+        Some((said(&output), output.status.code(), results, rig.finish()))
+    })
 }
 
 #[test]
@@ -150,23 +175,24 @@ fn what_the_device_stopped_the_motor_for_is_never_repeated() {
 
 #[test]
 fn ctrl_c_puts_the_motor_at_zero_volts_in_the_middle_of_a_run() {
-    let mut rig = EmulatedRig::start(&[]);
-    let out = rig.folder().join("real");
-    let mut child = run(&rig.choice(), rig.folder(), &[&format!("--out={}", out.display())])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("it starts");
-    // In the second point.
-    assert!(rig.driven_by(&mut child, 1700 + 500), "{}", said(&child.wait_with_output().unwrap()));
-    let killed =
-        Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
-    assert!(killed.success());
-    let output = child.wait_with_output().expect("it ends");
-    assert_eq!(output.status.code(), Some(130), "{}", said(&output));
-    assert!(points(&out).len() < 4);
-    let summary = rig.finish();
-    assert_eq!((&summary["state"], &summary["voltage"]), (&"inactive".into(), &0.into()));
+    tries(|| {
+        let mut rig = EmulatedRig::start(&[]);
+        let out = rig.folder().join("real");
+        // In the second point.
+        let child = underway(&mut rig, &out, 1700 + 500)?;
+        let killed =
+            Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+        assert!(killed.success());
+        let output = child.wait_with_output().expect("it ends");
+        if starved(&output) {
+            return None;
+        }
+        assert_eq!(output.status.code(), Some(130), "{}", said(&output));
+        assert!(points(&out).len() < 4);
+        let summary = rig.finish();
+        assert_eq!((&summary["state"], &summary["voltage"]), (&"inactive".into(), &0.into()));
+        Some(())
+    });
 }
 
 #[test]
