@@ -1,7 +1,7 @@
 """What an engineer with SciPy would do in an afternoon: the same recording, the usual filter, three models, scored on the part kept back.
 
 Reads jobs as a JSON list from standard input: folder, cutoff_hz, acceleration_cutoff_hz, order, trim, decimate, stretches. In each folder are `estimation.csv` and `validation.csv` with the columns time, q, (dq), tau. Prints a JSON list: for each
-job the relative error of the torque in the validation part, in per cent, of least squares (inertia, viscous and Coulomb friction, offset), of Dahl's model and of LuGre's beside the same inertia and offset. Only the stretches of that part count that are named [s]: at rest, what a model says is no prediction.
+job the relative error of the torque in the validation part, in per cent, of least squares (inertia, viscous and Coulomb friction, offset), of Dahl's model and of LuGre's beside the same inertia and offset; with `gravity` in the job, of the same with a sin q + b cos q besides. Only the stretches of that part count that are named [s]: at rest, what a model says is no prediction.
 """
 
 import json
@@ -29,11 +29,12 @@ def condition(table, job, h):
         nyquist = 0.5 / h
         return filtfilt(*butter(job["order"], cutoff / nyquist), x) if cutoff < nyquist else x
 
-    v = np.gradient(smooth(q, job["cutoff_hz"]), h)
+    q = smooth(q, job["cutoff_hz"])
+    v = np.gradient(q, h)
     slow = job["acceleration_cutoff_hz"]
     a = np.gradient(smooth(v, slow) if slow < job["cutoff_hz"] else v, h)
     cut = slice(job["trim"], len(q) - job["trim"])
-    return v[cut], a[cut], tau[cut]
+    return v[cut], a[cut], tau[cut], [np.sin(q[cut]), np.cos(q[cut])]
 
 
 def thin(x, factor):
@@ -86,49 +87,50 @@ def score(tau, predicted, moves):
 def plain(job):
     tables = [read(f"{job['folder']}/{name}.csv") for name in ("estimation", "validation")]
     h = float(np.median(np.diff(tables[0]["time"])))
+    parts = [condition(table, job, h) for table in tables]
+    errors = fits(job, h, parts, False)
+    if job.get("gravity"):
+        errors |= {f"{name} with gravity": error for name, error in fits(job, h, parts, True).items()}
+    return {name: float(error) for name, error in errors.items() if np.isfinite(error)}
+
+
+def fits(job, h, parts, gravity):
     factor = job["decimate"]
-    (v, a, tau), (v2, a2, tau2) = (condition(table, job, h) for table in tables)
+    (v, a, tau, weight), (v2, a2, tau2, weight2) = parts
     y, y2 = thin(tau, factor), thin(tau2, factor)
     step = factor * h
     moves = inside(job["trim"] * h + step * np.arange(y2.size), job["stretches"], step)
 
-    def rows(v, a, friction):
-        return [thin(a, factor), thin(v, factor), thin(friction, factor), thin(np.ones_like(v), factor)]
+    def others(v, a, weight):
+        columns = [a, v, np.ones_like(v)] + (weight if gravity else [])
+        return np.column_stack([thin(column, factor) for column in columns])
 
+    fixed, fixed2 = others(v, a, weight), others(v2, a2, weight2)
     errors = {}
-    theta = linear(rows(v, a, np.sign(v)), y)
-    errors["least squares"] = score(y2, np.column_stack(rows(v2, a2, np.sign(v2))) @ theta, moves)
-    f_c = max(abs(theta[2]), 1e-9)
+    theta = linear([fixed, thin(np.sign(v), factor)], y)
+    errors["least squares"] = score(y2, np.column_stack([fixed2, thin(np.sign(v2), factor)]) @ theta, moves)
+    f_c = max(abs(theta[-1]), 1e-9)
     travel = np.ptp(np.cumsum(v) * h)
     speed = np.sqrt(np.mean(v**2))
 
     def fit(force, start):
-        def parts(p, v, a):
-            return [thin(a, factor), thin(v, factor), thin(force(v, p), factor), thin(np.ones_like(v), factor)]
-
         def residuals(logarithms):
-            p = np.exp(logarithms)
-            columns = parts(p, v, a)
-            others = [columns[0], columns[1], columns[3]]
-            rest = y - columns[2]
-            return rest - np.column_stack(others) @ linear(others, rest)
+            rest = y - thin(force(v, np.exp(logarithms)), factor)
+            return rest - fixed @ linear([fixed], rest)
 
         try:
             found = least_squares(residuals, np.log(start), method="trf", max_nfev=30, x_scale="jac")
         except (ValueError, np.linalg.LinAlgError):
             return np.inf  # it left the finite numbers
         p = np.exp(found.x)
-        columns = parts(p, v, a)
-        others = [columns[0], columns[1], columns[3]]
-        theta = linear(others, y - columns[2])
-        columns = parts(p, v2, a2)
-        error = score(y2, np.column_stack([columns[0], columns[1], columns[3]]) @ theta + columns[2], moves)
+        theta = linear([fixed], y - thin(force(v, p), factor))
+        error = score(y2, fixed2 @ theta + thin(force(v2, p), factor), moves)
         return error if np.isfinite(error) else np.inf
 
     errors["Dahl"] = fit(lambda v, p: dahl(v, h, p[0], p[1]), [f_c, 100.0 * f_c / travel])
     start = [f_c, 1.2 * f_c, 0.05 * speed, 100.0 * f_c / travel, f_c / speed]
     errors["LuGre"] = fit(lambda v, p: lugre(v, h, *p), start)
-    return {name: float(error) for name, error in errors.items() if np.isfinite(error)}
+    return errors
 
 
 def main():

@@ -6,3 +6,4 @@ mod identify;
 mod recover_bag;
 mod rosbags;
 mod servo_logs;
+mod strangers;

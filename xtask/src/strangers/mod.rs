@@ -2,17 +2,18 @@
 //!
 //! Every machine is drawn at random and recorded; the built program identifies the first half of the
 //! recording as a stranger would, and is scored on the second. Beside it stands what SciPy gives on
-//! the same halves.
+//! the same halves. With `--real` the machines are recordings of real ones.
 
 mod judge;
 mod machine;
+mod peer;
+mod real;
 
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use friction_ident::statistics::{quantile, sorted};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -39,6 +40,15 @@ pub struct Strangers {
     /// Leave SciPy out.
     #[arg(long)]
     alone: bool,
+    /// Real recordings in place of machines drawn at random: both halves of each must tell the same
+    #[arg(long, conflicts_with_all = ["machines", "first"])]
+    real: bool,
+    /// Where the real recordings are [default: $FRICTION_DATA, else ../shared/data]
+    #[arg(long, value_name = "DIR", requires = "real")]
+    data: Option<PathBuf>,
+    /// Only recordings whose name begins so, as in "tx40 joint 2"
+    #[arg(long, value_name = "NAME", requires = "real")]
+    only: Option<String>,
 }
 
 /// A machine with what was said of it.
@@ -65,6 +75,17 @@ impl Strangers {
         };
         let root = target.join("strangers");
         let options: Vec<&str> = self.with.iter().map(String::as_str).collect();
+        if self.real {
+            let Some(data) = self.data.clone().or_else(::machine::recordings) else {
+                println!(
+                    "skipped: there are no real recordings in $FRICTION_DATA or ../shared/data; name their folder with --data DIR"
+                );
+                return Ok(());
+            };
+            let root = root.join("real");
+            let asked = real::Asked { program, options, data, root, alone: self.alone };
+            return asked.run(self.only.as_deref().unwrap_or_default());
+        }
         let mut cases = Vec::new();
         for number in self.first..self.first + self.machines {
             eprintln!("machine {number} ...");
@@ -98,8 +119,6 @@ fn built(target: &Path) -> Result<PathBuf> {
 
 /// What the peer makes of the same halves.
 fn peers(root: &Path, cases: &mut [Case]) -> Result<()> {
-    let python = python_env::scipy()?;
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/peers/plain_fits.py");
     let mut asked = Vec::new();
     for case in &*cases {
         if let Value::Object(settings) = &case.answer.settings {
@@ -109,22 +128,9 @@ fn peers(root: &Path, cases: &mut [Case]) -> Result<()> {
             asked.push((case.number, job));
         }
     }
-    eprintln!("SciPy ...");
-    let jobs: Vec<_> = asked.iter().map(|(_, job)| job).collect();
-    let mut child = Command::new(python)
-        .arg(script)
-        .envs(["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"].map(|name| (name, "1")))
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()?;
-    let mut input = child.stdin.take().context("the peer reads nothing")?;
-    input.write_all(serde_json::to_string(&jobs)?.as_bytes())?;
-    drop(input);
-    let output = child.wait_with_output()?;
-    ensure!(output.status.success(), "the peer failed");
-    let errors: Vec<serde_json::Map<String, Value>> = serde_json::from_slice(&output.stdout)?;
-    for ((number, _), errors) in asked.iter().zip(errors) {
-        let best = errors.values().filter_map(Value::as_f64).fold(f64::INFINITY, f64::min);
+    let jobs: Vec<_> = asked.iter().map(|(_, job)| job.clone()).collect();
+    for ((number, _), errors) in asked.iter().zip(peer::errors(&jobs)?) {
+        let best = peer::best(&errors).map_or(f64::INFINITY, |(_, error)| error);
         if let Some(case) = cases.iter_mut().find(|case| case.number == *number) {
             case.peer = Some(best);
         }
