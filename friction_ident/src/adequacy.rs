@@ -94,6 +94,14 @@ pub enum FitDoubt {
     },
 }
 
+impl FitDoubt {
+    /// Whether no parameter of the fit is to be trusted, and not only its last digits.
+    #[must_use]
+    pub const fn condemns(&self) -> bool {
+        matches!(self, Self::Unexplained { .. } | Self::Elsewhere { .. })
+    }
+}
+
 /// Whether a fit fails on a recording that it has not seen, where a relative error of `expected`
 /// \[%\] of a force of the mean square `power` was promised: more than [`MOST_ELSEWHERE`] times as
 /// far off, in the unit of the force and as a share of it.

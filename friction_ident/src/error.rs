@@ -108,6 +108,21 @@ pub enum IdentError {
         /// Its standard error.
         standard_error: f64,
     },
+    /// The motion is too fast for the rate at which it was recorded, and no model explains the force.
+    #[error(
+        "{:.0} % of the motion is faster than the {} Hz that can be followed at {} Hz, and the best model explains only {:.0} % of the force: sample faster or move more slowly",
+        100.0 * share, thousandths(*cutoff), thousandths(*rate), 100.0 * explained
+    )]
+    CannotFollow {
+        /// Share of the motion's variance that is faster.
+        share: f64,
+        /// Up to which frequency motion is taken \[Hz\].
+        cutoff: f64,
+        /// Sampling rate \[Hz\].
+        rate: f64,
+        /// Share of the force's mean square that is explained.
+        explained: f64,
+    },
     /// The force is zero throughout, so that nothing can be explained.
     #[error("the force is zero in every sample; check that the force was recorded, and its unit")]
     ZeroForce,
@@ -318,6 +333,11 @@ impl From<ModelError> for IdentError {
             other => Self::NoConvergence(other.to_string()),
         }
     }
+}
+
+/// Rounded to a thousandth: a rate that comes from a step is not even.
+fn thousandths(value: f64) -> f64 {
+    (1e3 * value).round() / 1e3
 }
 
 fn join(terms: &[AxisTerm]) -> String {

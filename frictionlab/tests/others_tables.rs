@@ -236,3 +236,72 @@ fn irregular_times_are_refused_until_a_rate_is_said() {
         assert_found(folder.path(), 0.05);
     }
 }
+
+/// A joint at 100 Hz: tones \[rad, Hz\] of the angle, its Coulomb friction, and where it begins.
+fn quick_joint(tones: &[[f64; 2]], coulomb: f64, start: f64) -> String {
+    let mut text = String::from("time,q,tau\n");
+    for k in 0..2000 {
+        let t = start + f64::from(k) * 0.01;
+        let (mut q, mut v, mut a) = (0.0, 0.0, 0.0);
+        for [amplitude, hertz] in tones {
+            let w = std::f64::consts::TAU * hertz;
+            let (sin, cos) = (w * t).sin_cos();
+            q += amplitude * sin;
+            v += amplitude * w * cos;
+            a -= amplitude * w * w * sin;
+        }
+        let torque = 1e-4 * a + 0.01 * v + coulomb * v.signum();
+        let _ = writeln!(text, "{:.2},{q:.5},{torque:.6}", t - start);
+    }
+    text
+}
+
+/// Neither plain nor with a structure: what is faster than the sampling shows nothing. A cutoff takes
+/// what there is, and calls none of it identified.
+#[test]
+fn a_motion_that_cannot_be_followed_is_a_clear_no() {
+    let folder = tempfile::tempdir().unwrap();
+    let joint = quick_joint(&[[0.1, 31.7], [0.1, 38.3], [0.03, 0.7]], 1.0, 0.0);
+    fs::write(folder.path().join("joint.csv"), joint).unwrap();
+    let identify = ["identify", "joint.csv", "--axis", "rotary", "--quiet", "--out", "found"];
+    for more in [&[][..], &["--structure", "auto"]] {
+        let said = refused(folder.path(), &[&identify, more].concat());
+        assert!(said.contains("sample faster or move more slowly"), "{said}");
+        assert!(said.contains("100 Hz") && said.contains("--cutoff"), "{said}");
+        assert!(!folder.path().join("found").exists());
+    }
+    ok(folder.path(), &[&identify[..], &["--structure", "auto", "--cutoff", "20"]].concat());
+    assert_eq!(identified(folder.path()), 0);
+}
+
+/// The friction is twice as large on the recording kept back: nothing that was found holds there.
+#[test]
+fn what_fails_on_the_recording_kept_back_is_not_identified() {
+    let folder = tempfile::tempdir().unwrap();
+    let tones = [[0.8, 0.31], [0.3, 0.83], [0.1, 1.7]];
+    for (name, coulomb, start) in [("a", 1.0, 0.0), ("same", 1.0, 20.0), ("other", 3.0, 20.0)] {
+        let joint = quick_joint(&tones, coulomb, start);
+        fs::write(folder.path().join(name).with_extension("csv"), joint).unwrap();
+    }
+    let against = |other: &str| {
+        let identify =
+            ["identify", "a.csv", "--axis", "rotary", "--quiet", "--force", "--out", "found"];
+        let more = ["--structure", "auto", "--validate", other];
+        ok(folder.path(), &[&identify[..], &more].concat());
+        identified(folder.path())
+    };
+    assert!(against("same.csv") >= 6, "{}", against("same.csv"));
+    assert_eq!(against("other.csv"), 0);
+}
+
+/// How many parameters of the plain models and of the structure are called identified.
+fn identified(folder: &Path) -> usize {
+    let text = fs::read_to_string(folder.join("found/identification.json")).unwrap();
+    let document: Value = serde_json::from_str(&text).unwrap();
+    let plain = ["symmetric", "asymmetric"].map(|model| &document[model]["parameters"]);
+    let plain = plain.into_iter().filter_map(Value::as_object).flat_map(|all| all.values());
+    let structure = document["structure"]["parameters"]["parameters"].as_array();
+    let structure = structure.into_iter().flatten();
+    plain.filter(|one| one["identifiable"] == true).count()
+        + structure.filter(|one| one["verdict"] == "identified").count()
+}

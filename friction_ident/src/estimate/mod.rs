@@ -13,6 +13,7 @@ use serde::Serialize;
 
 use crate::bounded::Minimum;
 use crate::parameter_id::ParameterId;
+use crate::robust_covariance::ErrorDoubt;
 pub(crate) use linearised::NormalEquations;
 pub(crate) use robust::robust_errors;
 pub(crate) use verdict::of_its_value;
@@ -112,6 +113,17 @@ impl Estimates {
     pub fn get_mut(&mut self, id: impl Into<ParameterId>) -> Option<&mut Estimate> {
         let place = self.place(id)?;
         self.parameters.get_mut(place)
+    }
+
+    /// Takes the verdict `identified` from all of them: the fit as a whole is not to be trusted.
+    pub fn distrust(&mut self) {
+        for estimate in &mut self.parameters {
+            if estimate.is_identified() {
+                let doubt = Doubt::NotToBeTrusted { why: ErrorDoubt::WholeFit.to_string() };
+                let remedy = "what the warnings name";
+                estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
+            }
+        }
     }
 
     /// The value of a parameter.

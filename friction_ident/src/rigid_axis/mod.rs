@@ -165,6 +165,13 @@ impl Prediction {
 }
 
 impl AxisFit {
+    /// Says of every term that the fit as a whole is not to be trusted.
+    pub fn distrust(&mut self) {
+        for term in &mut self.terms {
+            term.doubt = term.doubt.or(Some(ErrorDoubt::WholeFit));
+        }
+    }
+
     /// Whether there can be such an axis.
     ///
     /// # Errors

@@ -90,6 +90,9 @@ pub enum ErrorDoubt {
         /// Mean square of the slowest waves over that of the others.
         ratio: f64,
     },
+    /// What it belongs to is not to be trusted as a whole.
+    #[error("the fit as a whole is not to be trusted, as the warnings say")]
+    WholeFit,
 }
 
 /// How sure one parameter is.

@@ -39,6 +39,7 @@ impl<'a> Asked<'a> {
         let validation = read(&args.validate, args, &motor)?;
         let settings = Settings {
             conditioning: conditioning(args, &recording),
+            given_cutoff: args.cutoff.is_some(),
             inertia: !(args.without_inertia || recording.friction_only),
             offset: !args.without_offset,
             axis: args.axis.or(recording.axis).unwrap_or(AxisKind::Linear),
@@ -106,8 +107,15 @@ impl Found {
         let found =
             structured(&estimation, other.as_ref(), wanted, settings.axis, progress, cancel);
         progress.finish();
-        let found =
+        let mut found =
             found.map_err(|error| BadInput(format!("{}: {error}", recording.path.display())))?;
+        if let (Some(structured), Some(_)) = (&mut found, &self.found.too_fast) {
+            if let Some(source) = self.found.refusal(structured.estimation.relative_error) {
+                let path = recording.path.clone();
+                return Err(with_option(IdentifyError { path, stretch: None, source }).into());
+            }
+            structured.fit.estimates.distrust();
+        }
         if found.is_none() {
             let stopped = "stopped before any structure was compared; nothing was written";
             return Err(Interrupted(stopped.to_owned()).into());
@@ -174,6 +182,7 @@ fn with_option(error: IdentifyError) -> BadInput {
     let option = match &error.source {
         IdentError::Cutoff { .. } => " (--cutoff HZ)",
         IdentError::Order(_) => " (--order N)",
+        IdentError::CannotFollow { .. } => " (--cutoff HZ takes of it what there is)",
         IdentError::Decimation(_) => " (--decimate N)",
         IdentError::TooFewSamples { .. } => " (--trim N, --order N, --decimate N)",
         IdentError::NegativeInertia { .. } => {

@@ -1,7 +1,9 @@
 //! What is to be said of the frequencies that are taken for motion.
 
+use std::fmt;
+
 use friction_ident::motion_band::share_beyond;
-use friction_ident::{Conditioning, Signals};
+use friction_ident::{Conditioning, IdentError, Signals, adequacy};
 use recording::Recording;
 
 use super::channels;
@@ -27,17 +29,46 @@ pub(super) fn note(recording: &Recording, how: &Conditioning) -> Option<String> 
     })
 }
 
-/// That the recording's motion is faster than what is taken of it.
-pub(super) fn too_fast(recording: &Recording, how: &Conditioning) -> Option<String> {
-    let stretches: Vec<Signals> =
-        channels(recording).into_iter().map(|(_, signals)| signals).collect();
-    let share = share_beyond(&stretches, how.order, how.cutoff)?;
-    (share > TOO_MUCH).then(|| {
-        format!(
+/// Motion that is faster than what is taken of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TooFast {
+    share: f64,
+    cutoff: f64,
+    rate: f64,
+}
+
+impl TooFast {
+    /// Whether a recording's motion is.
+    pub(super) fn of(recording: &Recording, how: &Conditioning) -> Option<Self> {
+        let stretches: Vec<Signals> =
+            channels(recording).into_iter().map(|(_, signals)| signals).collect();
+        let share = share_beyond(&stretches, how.order, how.cutoff)?;
+        let (cutoff, rate) = (how.cutoff, 1.0 / recording.time_step);
+        (share > TOO_MUCH).then_some(Self { share, cutoff, rate })
+    }
+
+    /// The recording is of no use where the best of its models leaves so much of the force besides:
+    /// relative error \[%\].
+    pub(super) fn refusal(&self, relative_error: f64) -> Option<IdentError> {
+        let Self { share, cutoff, rate } = *self;
+        let explained = 1.0 - (0.01 * relative_error).powi(2);
+        (explained < adequacy::LEAST_EXPLAINED).then_some(IdentError::CannotFollow {
+            share,
+            cutoff,
+            rate,
+            explained,
+        })
+    }
+}
+
+impl fmt::Display for TooFast {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
             "{:.0} % of the motion is faster than the {} Hz that are taken of it: recorded at {} Hz, it cannot be followed. Parameters are not to be trusted, whatever their errors; sample faster or move more slowly.",
-            100.0 * share,
-            hertz(how.cutoff),
-            hertz(1.0 / recording.time_step)
+            100.0 * self.share,
+            hertz(self.cutoff),
+            hertz(self.rate)
         )
-    })
+    }
 }

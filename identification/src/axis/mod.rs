@@ -19,12 +19,14 @@ pub mod terminal;
 
 use std::path::{Path, PathBuf};
 
+use friction_ident::adequacy::FitDoubt;
 use friction_ident::rigid_axis::free_run::free_run_error;
 use friction_ident::{
     AxisFit, AxisModel, AxisTerm, Conditioned, Conditioning, IdentError, Load, LoadChoice,
     Prediction, Signals, adequacy, choose_load, condition_stretches, fit_axis, fit_axis_freely,
 };
 
+pub use band::TooFast;
 use friction_ident::statistics::root_mean_square;
 use longest::longest;
 use recording::{AxisKind, RecordedStretch, Recording};
@@ -34,6 +36,8 @@ use recording::{AxisKind, RecordedStretch, Recording};
 pub struct Settings {
     /// Filtering and thinning.
     pub conditioning: Conditioning,
+    /// Whether the cutoff was asked for.
+    pub given_cutoff: bool,
     /// Whether the force drives an inertia.
     pub inertia: bool,
     /// Whether the symmetric model has an offset.
@@ -84,10 +88,23 @@ pub struct Identification {
     pub symmetric: ModelResult,
     /// A pair for each direction; none where the recording does not show both.
     pub asymmetric: Option<ModelResult>,
+    /// That the motion is faster than what can be taken of it.
+    pub too_fast: Option<TooFast>,
     /// Why a model is not to be trusted as a whole: said before any table.
     pub warnings: Vec<String>,
     /// What the reader must know to read the numbers right.
     pub notes: Vec<String>,
+}
+
+impl Identification {
+    /// That the motion cannot be followed and nothing explains the force, neither a plain model nor
+    /// one with the relative error of `other` \[%\]; never where a cutoff was asked for.
+    pub fn refusal(&self, other: f64) -> Option<IdentError> {
+        let too_fast = self.too_fast.filter(|_| !self.settings.given_cutoff)?;
+        let plain = [Some(&self.symmetric), self.asymmetric.as_ref()];
+        let errors = plain.into_iter().flatten().map(|model| model.fit.relative_error);
+        too_fast.refusal(errors.fold(other, f64::min))
+    }
 }
 
 /// A recording that could not be identified.
@@ -159,8 +176,8 @@ pub fn identify(
         other => other,
     };
     let symmetric = symmetric.map_err(blame)?;
-    let mut warnings: Vec<String> =
-        band::too_fast(recording, &settings.conditioning).into_iter().collect();
+    let too_fast = TooFast::of(recording, &settings.conditioning);
+    let mut warnings: Vec<String> = too_fast.iter().map(TooFast::to_string).collect();
     for (warning, said) in held::said(recording, &settings.conditioning) {
         if warning { warnings.push(said) } else { notes.push(said) }
     }
@@ -190,17 +207,34 @@ pub fn identify(
             adequacy::elsewhere(fit.relative_error, size * size, there)
         });
         let whole = adequacy::doubts(&model.estimation, &estimation).into_iter().chain(fails);
+        let whole: Vec<FitDoubt> = whole.collect();
         let more = if settings.structured {
             "The structure chosen below has more"
         } else {
             "--structure auto offers more"
         };
         let before = warnings.len();
-        warnings.extend(whole.map(|doubt| format!("The {name} model {doubt}. {more}.")));
+        let condemned = too_fast.is_some() || whole.iter().any(FitDoubt::condemns);
+        warnings.extend(whole.iter().map(|doubt| format!("The {name} model {doubt}. {more}.")));
         model.warned |= warnings.len() > before;
         notes.extend(doubts(&model.fit));
+        if condemned {
+            model.fit.distrust();
+        }
     }
-    Ok(Identification { settings: *settings, load: loads, symmetric, asymmetric, warnings, notes })
+    let found = Identification {
+        settings: *settings,
+        load: loads,
+        symmetric,
+        asymmetric,
+        too_fast,
+        warnings,
+        notes,
+    };
+    match found.refusal(f64::INFINITY) {
+        Some(refusal) if !settings.structured => Err(blame(refusal)),
+        _ => Ok(found),
+    }
 }
 
 /// Compares what of the position may act on the axis; none where nothing can be compared. Friction

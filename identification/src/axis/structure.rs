@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
+use friction_ident::adequacy::FitDoubt;
 use friction_ident::axis_structure::{
     AxisStructure, AxisUnits, Choice, CrossValidation, StructureFit, UnknownStructure, blocks_for,
     choose, cross_validate_beside, fit_structure, growth,
@@ -162,13 +163,17 @@ pub fn structured(
     let here = fit.predict(estimation)?;
     let there = validation.map(|other| fit.predict(other)).transpose()?;
     let promised = scores.get(choice.chosen);
-    let doubts = adequacy::doubts(&here, estimation).into_iter().chain(
-        promised.zip(there.as_ref()).and_then(|(score, there)| {
+    let doubts: Vec<FitDoubt> = adequacy::doubts(&here, estimation)
+        .into_iter()
+        .chain(promised.zip(there.as_ref()).and_then(|(score, there)| {
             adequacy::elsewhere(score.relative_error, score.force_power, there)
-        }),
-    );
+        }))
+        .collect();
+    if doubts.iter().any(FitDoubt::condemns) {
+        fit.estimates.distrust();
+    }
     let name = fit.structure;
-    let warnings = doubts.map(|doubt| format!("The structure {name} {doubt}.")).collect();
+    let warnings = doubts.iter().map(|doubt| format!("The structure {name} {doubt}.")).collect();
     let (estimation, validation) = (here, there);
     Ok(Some(Structured { scores, refused, choice, fit, estimation, validation, warnings }))
 }
