@@ -5,9 +5,9 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use frictionlab::cli::help::prepared;
 use frictionlab::cli::{
-    bag, commission, completions, design, exit_code, features, identify_drive, identify_joints,
-    identify_servo, identify_stiction, look, manual, models, monte_carlo, protocols, rig, run,
-    simulate, told, truth_matrix,
+    bag, commission, completions, design, exit_code, export, features, identify_drive,
+    identify_joints, identify_servo, identify_stiction, look, manual, models, monte_carlo,
+    protocols, rig, run, simulate, told, truth_matrix,
 };
 use machine_rig::MachineFactory;
 use rig_driver::RigRegistry;
@@ -38,6 +38,7 @@ enum Command {
     Commission(Box<commission::CommissionArgs>),
     Completions(completions::CompletionsArgs),
     Design(studies::design::asked::DesignArgs),
+    Export(Box<export::ExportArgs>),
     Features(features::FeaturesArgs),
     Manual(manual::ManualArgs),
     Models(models::ModelsArgs),
@@ -89,6 +90,7 @@ fn main() -> ExitCode {
         Command::Commission(args) => commission::execute(&args),
         Command::Completions(args) => completions::execute(&args, &mut command),
         Command::Design(args) => design::execute(&args),
+        Command::Export(args) => export::execute(&args),
         Command::Features(args) => features::execute(&args),
         Command::Manual(args) => manual::execute(&args, &command),
         Command::Models(args) => models::execute(&args),

@@ -3,7 +3,7 @@
 //! constants), [`servo`] and [`stiction`]; [`look`] shows what a file holds before any of them.
 //!
 //! Each works everything out first; its document is JSON, its page HTML, its terminal text.
-//! [`asked`] holds the options that the command and requests to the node have in common.
+//! [`speeds`] tells where a model was identified; [`asked`] holds the options that the command and requests to the node have in common.
 
 pub mod asked;
 pub mod axis;
@@ -12,4 +12,5 @@ pub mod friction;
 pub mod look;
 pub mod rows;
 pub mod servo;
+pub mod speeds;
 pub mod stiction;

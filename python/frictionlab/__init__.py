@@ -7,6 +7,7 @@
 
 from ._native import Contact, __version__
 from .errors import BadInput, Failure, FrictionlabError
+from .export import Exported
 from .identification import Estimate, Fit, Identification, identify
 from .models import Model, ModelInfo, Parameter, models
 from .simulation import Simulation, simulate
@@ -17,6 +18,7 @@ __all__ = [
     "Contact",
     "Design",
     "Estimate",
+    "Exported",
     "Failure",
     "Features",
     "Fit",

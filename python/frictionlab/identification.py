@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from . import _native
 from ._given import Data, Floats, inputs, options
 from .errors import BadInput
+from .export import Exported, exported
 from .models import Model
 
 if TYPE_CHECKING:
@@ -141,6 +142,16 @@ class Identification:
     def save(self, folder: str | os.PathLike[str], *, force: bool = False) -> str:
         """Write report, document and parameters into a folder, as the command does."""
         return self._found.save(os.fspath(folder), force)
+
+    def export(self, target: str, version: str | None = None, **keywords: Any) -> Exported:
+        """The friction for a simulator, a robot or firmware, as `frictionlab export` writes it.
+
+        `target` is one of those that `frictionlab export --list` shows, as ``"mjcf"``, ``"urdf"`` or
+        ``"c_header"``; `version` its newest if none is given. Every other option of the command is a
+        keyword: ``joint="elbow"``, ``model="lugre"``, ``armature=1e-3``, ``accept_error=True``. What would
+        mislead is refused.
+        """
+        return exported(self.to_yaml(), "parameters.yaml", target, version, keywords)
 
     def plot(self) -> Figure:
         """The friction curves on the steady points, or the axis's force as measured and as fitted."""

@@ -14,6 +14,7 @@ pub mod filled;
 pub mod network;
 pub mod python;
 pub mod readers;
+pub mod simulators;
 pub mod wire;
 
 pub use needs::needs;

@@ -63,6 +63,29 @@ pub fn cyclone() -> PathBuf {
     interpreter_in("FRICTION_PYTHON_ENV_CYCLONE", "python-cyclone", "cyclone")
 }
 
+/// A MuJoCo that the tests can have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MuJoCo {
+    /// The newest that the exports know.
+    Newest,
+    /// One from before its `dcmotor` could do without an input.
+    Older,
+}
+
+/// The interpreter of an environment of its own with that MuJoCo. `$FRICTION_PYTHON_ENV_MUJOCO` and
+/// `$FRICTION_PYTHON_ENV_MUJOCO_3` name environments elsewhere.
+///
+/// # Panics
+/// As [`interpreter`].
+pub fn mujoco(which: MuJoCo) -> PathBuf {
+    match which {
+        MuJoCo::Newest => interpreter_in("FRICTION_PYTHON_ENV_MUJOCO", "python-mujoco", "mujoco"),
+        MuJoCo::Older => {
+            interpreter_in("FRICTION_PYTHON_ENV_MUJOCO_3", "python-mujoco-3", "mujoco")
+        }
+    }
+}
+
 /// A script of `tests/python/`.
 pub fn script(name: &str) -> PathBuf {
     crate::checkout().join("tests/python").join(name)

@@ -12,6 +12,7 @@ mod book;
 mod distribution;
 mod lanes;
 mod python_env;
+mod simulators;
 mod soak;
 mod strangers;
 mod tally;
@@ -49,6 +50,8 @@ enum Task {
     Book(book::Book),
     /// A Python environment with `rosbags` and the real rclpy, for the tests that use them.
     PythonEnv(python_env::PythonEnvCommand),
+    /// Exported friction in versions of MuJoCo, beside our own models along the same torque.
+    Simulators(simulators::Simulators),
     /// The loop at 1 kHz for minutes, with the real rclpy listening: memory, losses, drift.
     Soak(soak::Soak),
     /// Whether the identification is right on machines drawn at random, beside SciPy.
@@ -69,6 +72,7 @@ fn main() -> anyhow::Result<()> {
         Task::BenchStep(bench) => bench.run(),
         Task::Book(book) => book.run(),
         Task::PythonEnv(python_env) => python_env.run(),
+        Task::Simulators(simulators) => simulators.run(),
         Task::Soak(soak) => soak.run(),
         Task::Strangers(strangers) => strangers.run(),
         Task::Test(test) => test.run(),

@@ -41,6 +41,12 @@ const SCIPY: &[&str] = &["numpy", "scipy", "numba"];
 /// A peer of another middleware than rclpy's.
 const CYCLONE: &[&str] = &["cyclonedds==11.0.1"];
 
+/// MuJoCo, the newest that the exports know.
+const MUJOCO: &[&str] = &["mujoco==4.0.0"];
+
+/// MuJoCo from before its `dcmotor` could do without an input.
+const OLDER_MUJOCO: &[&str] = &["mujoco==3.8.1"];
+
 /// The environment, and what of it can be used.
 #[derive(Debug)]
 pub struct PythonEnv {
@@ -54,6 +60,9 @@ pub struct PythonEnv {
     pub rclpy: anyhow::Result<()>,
     /// Why there is no Cyclone DDS, which has an environment of its own, if there is none.
     pub cyclone: anyhow::Result<()>,
+    /// Why there is no MuJoCo, of which two versions have environments of their own, if there is
+    /// none.
+    pub mujoco: anyhow::Result<()>,
     /// Why there is no colcon, if there is none. It builds with what comes with rclpy.
     pub colcon: anyhow::Result<()>,
 }
@@ -75,7 +84,8 @@ pub fn prepare() -> anyhow::Result<PythonEnv> {
         environment.half("cyclone", CYCLONE.join("\n"), || environment.install(CYCLONE))
     });
     let colcon = environment.half("colcon", COLCON.join("\n"), || environment.install(COLCON));
-    Ok(PythonEnv { dir: environment.dir, bag_tools, python_tools, rclpy, cyclone, colcon })
+    let mujoco = mujoco().map(drop);
+    Ok(PythonEnv { dir: environment.dir, bag_tools, python_tools, rclpy, cyclone, mujoco, colcon })
 }
 
 /// Makes an environment with the rclpy of a distribution, or finds it made.
@@ -112,6 +122,19 @@ pub fn scipy() -> anyhow::Result<PathBuf> {
     Ok(environment.python)
 }
 
+/// A Python with the newest MuJoCo, and one with an older.
+///
+/// # Errors
+/// No Python 3 with `venv`, no network the first time.
+pub fn mujoco() -> anyhow::Result<[PathBuf; 2]> {
+    let make = |folder: &str, wheels: &[&str]| {
+        let environment = Environment::make(&target()?.join(folder))?;
+        environment.half("mujoco", wheels.join("\n"), || environment.install(wheels))?;
+        Ok::<_, anyhow::Error>(environment.python)
+    };
+    Ok([make("python-mujoco", MUJOCO)?, make("python-mujoco-3", OLDER_MUJOCO)?])
+}
+
 /// Arguments of `cargo xtask python-env`.
 #[derive(Debug, clap::Args)]
 pub struct PythonEnvCommand {
@@ -142,6 +165,7 @@ impl PythonEnvCommand {
             (environment.python_tools, "mypy, notebooks (nbclient, ipykernel), maturin"),
             (environment.rclpy, "rclpy with friction_msgs"),
             (environment.cyclone, "Cyclone DDS (cyclonedds)"),
+            (environment.mujoco, "MuJoCo, the newest and an older one"),
             (environment.colcon, "colcon"),
         ] {
             match half {

@@ -61,6 +61,7 @@ impl Test {
             Need::PythonTools,
             Need::Colcon,
             Need::Cyclone,
+            Need::Mujoco,
         ]);
         expected.extend(self.full.then_some(Need::Jazzy));
         machine::write_down(&target, &expected)?;
@@ -225,6 +226,7 @@ fn prepare_python(full: bool) {
                 (environment.python_tools, "mypy, nbclient and maturin"),
                 (environment.rclpy, "rclpy"),
                 (environment.cyclone, "Cyclone DDS"),
+                (environment.mujoco, "MuJoCo"),
                 (environment.colcon, "colcon"),
             ];
             for (half, what) in halves {

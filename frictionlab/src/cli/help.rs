@@ -12,7 +12,7 @@ const GROUPS: [(&str, &[&str]); 8] = [
     ("Compensate", &["commission", "design", "monte-carlo"]),
     ("Live on ROS 2", &["live", "launch", "node", "serve", "security"]),
     ("Rig", &["rig", "doctor"]),
-    ("Science", &["models", "simulate", "features", "truth-matrix"]),
+    ("Science", &["models", "simulate", "export", "features", "truth-matrix"]),
     ("Files", &["bag"]),
     ("Help", &["completions", "manual"]),
 ];

@@ -13,6 +13,7 @@ pub mod completions;
 pub mod design;
 #[cfg(feature = "ros")]
 pub mod doctor;
+pub mod export;
 mod failure;
 pub mod features;
 pub mod help;

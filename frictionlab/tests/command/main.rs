@@ -3,6 +3,7 @@
 
 mod design;
 mod destinations;
+mod export;
 mod features;
 mod identify_drive;
 mod identify_friction;

@@ -161,7 +161,9 @@ impl Found {
         let page = axis::page::page(found, structured, recording, validation);
         let name = recording.path.display().to_string();
         let parameters = match structured {
-            Some(structured) => axis::structure_parameters::render(structured, &name)?,
+            Some(structured) => {
+                axis::structure_parameters::render(structured, &name, found.settings.axis)?
+            }
             None => axis::parameters::render(found, &name),
         };
         let page = report::linked(page, [FILES[2], FILES[0]]);

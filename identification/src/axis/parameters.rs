@@ -10,6 +10,7 @@ use parameters::ParameterValue;
 use parameters::file::{Writer, number};
 
 use super::{Identification, unit};
+use crate::speeds;
 
 /// Stribeck velocity of a curve without a dip: any positive number does.
 const NO_DIP_V_S: f64 = 0.1;
@@ -23,6 +24,9 @@ pub fn render(found: &Identification, name: &str) -> String {
     let mut file = Writer::default();
     let version = env!("CARGO_PKG_VERSION");
     file.comment(&format!("An axis fitted by frictionlab {version} to {name}."));
+    if let Some(line) = speeds::line(found.symmetric.estimation.velocity.iter().copied(), axis) {
+        file.comment(&line);
+    }
     for estimate in &fit.terms {
         let (term, unit) = (estimate.term.describe(), unit(estimate.term, axis));
         let (value, error) = (number(estimate.value), number(estimate.standard_error));

@@ -13,7 +13,10 @@ use friction_observer::parameters::model_parameters;
 use parameters::ParameterValue;
 use parameters::file::{Writer, number};
 
+use recording::AxisKind;
+
 use super::structure::Structured;
+use crate::speeds;
 
 /// Stribeck velocity of a curve without a dip: any positive number does.
 const NO_DIP_V_S: f64 = 0.1;
@@ -23,17 +26,24 @@ const NO_DIP_V_S: f64 = 0.1;
 #[error("the friction of the chosen structure cannot be written as parameters: {0}")]
 pub struct StructureParametersError(String);
 
-/// The file as text; `name` is the recording's.
+/// The file as text; `name` is the recording's, `axis` tells its units.
 ///
 /// # Errors
 /// [`StructureParametersError`] for a fit that no model accepts, which no finite one is.
-pub fn render(found: &Structured, name: &str) -> Result<String, StructureParametersError> {
+pub fn render(
+    found: &Structured,
+    name: &str,
+    axis: AxisKind,
+) -> Result<String, StructureParametersError> {
     let fit = &found.fit;
     let refused = |error: &dyn ToString| StructureParametersError(error.to_string());
     let model = model(fit).map_err(|error| refused(&error))?;
     let mut file = Writer::default();
     let version = env!("CARGO_PKG_VERSION");
     file.comment(&format!("An axis fitted by frictionlab {version} to {name}."));
+    if let Some(line) = speeds::line(found.estimation.velocity.iter().copied(), axis) {
+        file.comment(&line);
+    }
     file.comment(&format!(
         "The structure chosen by cross-validation: {}. What is no friction belongs to no node and stands here alone.",
         fit.structure
@@ -155,7 +165,6 @@ mod tests {
     use std::sync::atomic::AtomicBool;
 
     use friction_ident::{Conditioned, Conditioning, Signals, condition};
-    use recording::AxisKind;
     use work::progress::Progress;
 
     use super::*;
@@ -182,7 +191,7 @@ mod tests {
         let (progress, cancel) =
             (Progress::counting(1, "structures", true), AtomicBool::new(false));
         let found = structured(&axis(), None, &wanted, AxisKind::Linear, &progress, &cancel);
-        render(&found.unwrap().unwrap(), "axis.csv").unwrap()
+        render(&found.unwrap().unwrap(), "axis.csv", AxisKind::Linear).unwrap()
     }
 
     fn value(file: &str, name: &str) -> f64 {

@@ -8,6 +8,7 @@ use parameters::ParameterValue;
 use parameters::file::Writer;
 
 use super::{FrictionIdentification, wording};
+use crate::speeds;
 
 /// The file could not be written down.
 #[derive(Debug, thiserror::Error)]
@@ -79,6 +80,13 @@ fn header(found: &FrictionIdentification, file: &mut Writer) {
         found.files.iter().map(|file| format!(" {}", file.path.display())).collect();
     let version = env!("CARGO_PKG_VERSION");
     file.comment(&format!("Friction models fitted by frictionlab {version} to{paths}."));
+    let data = &found.data;
+    let stretches = [&data.pre_sliding, &data.lag, &data.mixed].into_iter().flatten();
+    let moving = stretches.flat_map(|stretch| stretch.velocity.iter().copied());
+    let all = data.points.iter().map(|point| point.velocity).chain(moving);
+    if let Some(line) = speeds::line(all, found.settings.axis) {
+        file.comment(&line);
+    }
     let Some(first) = found.chosen() else {
         file.comment(wording::NONE_CHOSEN);
         return;

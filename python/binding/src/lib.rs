@@ -11,6 +11,7 @@ mod arrays;
 mod calls;
 mod design;
 mod errors;
+mod export;
 mod features;
 mod identify;
 mod models;
@@ -26,6 +27,8 @@ mod native {
 
     #[pymodule_export]
     use crate::design::design;
+    #[pymodule_export]
+    use crate::export::export;
     #[pymodule_export]
     use crate::features::features;
     #[pymodule_export]

@@ -298,3 +298,37 @@ def test_calls_from_several_threads_agree():
         thread.join()
     gc.collect()
     assert len(results) == 4 and all(np.array_equal(result, results[0]) for result in results)
+
+
+def test_what_was_identified_is_exported(tmp_path):
+    found = frictionlab.identify(points(1e-4), model="coulomb_viscous,stribeck")
+    urdf = found.export("urdf", joint="elbow", model="stribeck", accept_unidentified=True)
+    assert "<dynamics" in urdf.text and "elbow" in str(urdf) and urdf.version == "1.2"
+    assert 0.0 < urdf.sliding_error < 10.0 and urdf.lost
+    assert "0.02 to 3 rad/s, the speeds of the recordings" in urdf.text
+    header = found.export("c_header", model="stribeck", accept_unidentified=True)
+    assert header.sliding_error == 0.0 and not header.lost and "friction_step" in header.text
+    file = header.save(tmp_path / "friction.h")
+    assert file.read_text() == header.text
+    with pytest.raises(BadInput, match="force=True"):
+        header.save(file)
+    with pytest.raises(BadInput, match="cannot be written"):
+        header.save(tmp_path / "nowhere" / "friction.h")
+    older = found.export("mjcf", version="3.6", model="coulomb_viscous")
+    assert "frictionloss" in older.text and "dcmotor" not in older.text
+
+
+def test_an_export_that_cannot_be_is_refused_in_a_sentence():
+    found = frictionlab.identify(points(1e-4), model="coulomb_viscous")
+    for target, options, said in (
+        ("gazebo_3", {}, "expected one of mjcf"),
+        ("mjcf", {"version": "9"}, "known are 2.0 to 4.0"),
+        ("mjcf", {"model": "lugre"}, "no parameters of `lugre`"),
+        ("isaac_lab", {"version": "2.1"}, "coefficient"),
+        ("ur", {}, "--reference"),
+        ("urdf", {"out": "a.urdf"}, "save"),
+        ("urdf", {"joint": "a b"}, "letters"),
+        ("urdf", {"speeds": "3:1"}, "LOW to HIGH"),
+    ):
+        with pytest.raises(BadInput, match=said):
+            found.export(target, **options)

@@ -29,6 +29,8 @@ pub enum Need {
     Colcon,
     /// A peer on Cyclone DDS.
     Cyclone,
+    /// MuJoCo, the newest and an older one.
+    Mujoco,
     /// A network namespace, so that nothing leaves the machine.
     Namespace,
     /// Two network namespaces with a wire between them.
@@ -70,6 +72,7 @@ impl Need {
             }
             Self::Colcon => "no colcon: `cargo xtask python-env` makes it",
             Self::Cyclone => "no Python with Cyclone DDS: `cargo xtask python-env` makes it",
+            Self::Mujoco => "no Python with MuJoCo: `cargo xtask python-env` makes it",
             Self::Namespace => {
                 "no network namespace (`unshare -n` with `ip`): run as root or allow user namespaces"
             }
@@ -106,6 +109,10 @@ impl Need {
             Self::Colcon => part("FRICTION_PYTHON_ENV", "python", "colcon"),
             Self::Jazzy => part("FRICTION_PYTHON_ENV_JAZZY", "python-jazzy", "rclpy"),
             Self::Cyclone => part("FRICTION_PYTHON_ENV_CYCLONE", "python-cyclone", "cyclone"),
+            Self::Mujoco => {
+                part("FRICTION_PYTHON_ENV_MUJOCO", "python-mujoco", "mujoco")
+                    && part("FRICTION_PYTHON_ENV_MUJOCO_3", "python-mujoco-3", "mujoco")
+            }
             Self::Namespace => namespace_flags().is_some(),
             Self::Machines => namespace_flags().is_some() && two_namespaces(),
             Self::Ros2 => succeeds("ros2", &[&["--help"]]),
