@@ -39,6 +39,26 @@ const NEAR: f64 = 0.1;
 /// beside the middle, and for what overshoots.
 pub const PART: f64 = 0.25;
 
+/// The least kinetic level that is believed beside another gain, as a share of what the curve says.
+const LEAST: f64 = 0.2;
+/// How many times as wide as that of the tones the interval of the curve's slope is before the tones
+/// tell the gain.
+const WIDER: f64 = 2.0;
+
+/// By what share more than what was seen the voltage that breaks the shaft loose has to be.
+const MORE: f64 = 0.05;
+/// Where a dip ends that was not seen, as a share of the slowest speed that was followed.
+const ENDS: f64 = 0.5;
+
+/// A static level that no block showed, because the shaft follows no speed that is as slow.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Stuck {
+    /// The level \[V\]: what broke the shaft loose.
+    pub f_s: f64,
+    /// Stribeck velocity [rad/s].
+    pub v_s: f64,
+}
+
 /// What is fed forward.
 #[derive(
     Debug,
@@ -78,6 +98,8 @@ pub struct Bed {
     fed_back: Option<FedBack>,
     load: Option<Load>,
     level: f64,
+    /// Voltage that breaks the shaft loose, whichever way \[V\].
+    breakaway: f64,
 }
 
 impl Bed {
@@ -93,8 +115,11 @@ impl Bed {
     ) -> Result<Self, CommissionError> {
         let curve = &chosen.curve;
         let (f_s, v_s) = seen(curve, friction.speeds.0);
-        let levels = (f_s, curve.f_c.value);
         let plant = refined(known, drive, chosen);
+        // What another gain takes from the slope is friction at the speeds that were measured.
+        let taken = (curve.slope.value - 1.0 / plant.drive.gain) * friction.mean_speed();
+        let f_c = (curve.f_c.value + taken).max(LEAST * curve.f_c.value);
+        let levels = (f_s - curve.f_c.value + f_c, f_c);
         let load = chosen.structure.as_ref().and_then(|structure| structure.load);
         let amplitude = amplitude(known, friction);
         Ok(Self::new(plant, design, levels, (v_s, 2.0), amplitude)?.carrying(load))
@@ -123,10 +148,11 @@ impl Bed {
             friction: AnyModel::Stribeck(friction),
             levels: Levels { f_s, f_c, v_s, delta },
             amplitude,
-            resting_angle: 0.0,
+            resting_angle: plant.encoder_step,
             fed_back: None,
             load: None,
             level: 1.0,
+            breakaway: f_s,
         })
     }
 
@@ -135,6 +161,42 @@ impl Bed {
     #[must_use]
     pub const fn resting(self, resting_angle: f64) -> Self {
         Self { resting_angle, ..self }
+    }
+
+    /// The same of a shaft that breaks loose at that voltage, whichever way it is pushed \[V\].
+    #[must_use]
+    pub const fn breaking_loose(self, breakaway: f64) -> Self {
+        Self { breakaway: self.breakaway.max(breakaway), ..self }
+    }
+
+    /// The same with the voltage that breaks the shaft loose as its static level, where that is more than
+    /// was seen at the `slowest` speed that was followed [rad/s]: the dip ends below it. None where what
+    /// was seen goes on to rest.
+    #[must_use]
+    pub fn stuck(&self, slowest: f64) -> Option<Stuck> {
+        let Levels { f_s, v_s, .. } = self.levels;
+        let hidden = f_s <= self.levels.f_c || v_s >= slowest;
+        let more = self.breakaway > (1.0 + MORE) * f_s;
+        (hidden && more).then_some(Stuck { f_s: self.breakaway, v_s: ENDS * slowest })
+    }
+
+    /// The same with that static level; as it is for none.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    pub fn sticking(self, stuck: Option<Stuck>) -> Result<Self, CommissionError> {
+        let Some(Stuck { f_s, v_s }) = stuck else { return Ok(self) };
+        let Levels { f_c, delta, .. } = self.levels;
+        let other = Self::new(self.plant, self.design, (f_s, f_c), (v_s, delta), self.amplitude)?;
+        Ok(Self { friction: other.friction, levels: other.levels, ..self })
+    }
+
+    /// By what a shaft slips that the integral breaks loose \[rad\]: the proportional gain is a spring,
+    /// which the difference of stick and kinetic level shortens. An integral that stands still up to that
+    /// error does not break it loose once more on the other side.
+    #[must_use]
+    pub fn slip(&self) -> f64 {
+        (self.breakaway - self.levels.f_c).max(0.0) / self.design.gains.k_p
     }
 
     /// The same with a load that depends on the place, by the rig's own count.
@@ -205,7 +267,8 @@ impl Bed {
         &self.plant
     }
 
-    /// Error up to which the integral stands still while the reference does \[rad\].
+    /// Error up to which the integral stands still while the reference does \[rad\]; one count at
+    /// least, because the encoder shows no less.
     #[must_use]
     pub const fn resting_angle(&self) -> f64 {
         self.resting_angle
@@ -411,12 +474,14 @@ pub fn amplitude(known: &Known, friction: &Friction) -> f64 {
         .min(SPEED_SHARE * friction.speeds.1 * PERIOD / std::f64::consts::TAU)
 }
 
-/// The plant with the gain of the friction curve, which is the better known; what the excitation
-/// told of the inertia, T/K, stays.
+/// The plant with the gain of the friction curve, which is the better known, unless the speeds of the
+/// blocks were too near each other for it; what the excitation told of the inertia, T/K, stays.
 pub(crate) fn refined(known: &Known, drive: &Drive, chosen: &Chosen) -> Plant {
     let before = plant(known, drive);
-    let slope = chosen.curve.slope.value;
-    let gain = if slope > 0.0 { 1.0 / slope } else { before.drive.gain };
+    let slope = chosen.curve.slope;
+    let width = |ranged: crate::Ranged| ranged.relative().unwrap_or(f64::INFINITY);
+    let is_known = slope.value > 0.0 && width(slope) <= WIDER * width(drive.gain);
+    let gain = if is_known { 1.0 / slope.value } else { before.drive.gain };
     let time_constant = before.drive.time_constant * gain / before.drive.gain;
     Plant { drive: LinearDrive { gain, time_constant }, ..before }
 }

@@ -12,7 +12,7 @@ use rig_setup::REST;
 use serde::{Deserialize, Serialize};
 
 use crate::axis::{Axis, Bench, Known};
-use crate::bed::{Arm, Bed, missed, refined, seconds};
+use crate::bed::{Arm, Bed, Stuck, missed, refined, seconds};
 use crate::drive::Drive;
 use crate::feedback::FedBack;
 use crate::friction::Friction;
@@ -29,7 +29,7 @@ const TIMES: usize = 2;
 /// Move and hold: of its time, the part in which the shaft has to rest \[s\].
 const HELD: (f64, f64) = (4.0, 16.0);
 /// How often it is tried, and how often usually.
-const HOLDS: u32 = 8;
+pub(crate) const HOLDS: u32 = 8;
 const HOLDS_USUAL: f64 = 2.5;
 /// How much larger than the farthest swing the angle of rest is made, and how much larger still in the
 /// end: at another place, and another day, the shaft slips farther.
@@ -38,6 +38,8 @@ const MARGIN: f64 = 2.0;
 /// The attempt from which on the loop is made slower too, and by which factor.
 const SLOWER: u32 = 5;
 const SLOWED: f64 = 0.7;
+/// The attempt from which on it is made slower where it swings within the angle of rest.
+const ALONE: u32 = 3;
 /// Moves in a row after which the shaft has to rest.
 const RESTED: u32 = 2;
 /// A richer arm has to be better by this share.
@@ -72,6 +74,13 @@ pub struct Control {
     pub resting_angle: f64,
     /// Whether the shaft rests after a move.
     pub rests: bool,
+    /// The static level that is fed forward with the friction, where what broke the shaft loose is more
+    /// than what any block showed and that was clearly better on the rig.
+    #[serde(default)]
+    pub stuck: Option<Stuck>,
+    /// Root mean square errors with it, where it was tried \[rad\].
+    #[serde(default)]
+    pub stuck_errors: Vec<f64>,
     /// How much of the friction is compensated, of what the curve says: it may have changed since.
     #[serde(default = "whole")]
     pub level: f64,
@@ -100,12 +109,16 @@ pub fn control(
 ) -> Result<Control, CommissionError> {
     let refined = refined(known, drive, chosen);
     let design = design(&refined, QUICK, Stage::Control)?;
-    let bed = Bed::of(known, drive, (friction, chosen), design)?;
+    let bed = Bed::of(known, drive, (friction, chosen), design)?.breaking_loose(met.breakaway());
     let arms = bed.arms();
     let mut errors: Vec<(Arm, Vec<f64>)> = arms.iter().map(|arm| (*arm, Vec::new())).collect();
     let mut heard: Vec<Vec<Vec<CycleSample>>> = vec![Vec::new(); arms.len()];
     axis.say(Stage::Control, "what feedback is worth, in simulation");
     let tried = pareto::tried(&bed)?;
+    let stuck = bed
+        .stuck(friction.speeds.0)
+        .filter(|_| axis.left() > later + seconds_needed() + TIMES as f64 * seconds());
+    let mut stuck_errors = Vec::new();
     let mut fed_back_errors = pareto::promising(&tried, CLEARLY)
         .filter(|_| axis.left() > later + with_feedback())
         .map(|fed| (fed, Vec::new()));
@@ -117,26 +130,39 @@ pub fn control(
             errors.push(root_mean_square(&missed(&seen)));
             heard.push(seen);
         }
+        if stuck.is_some() {
+            axis.say(Stage::Control, "friction, with what breaks the shaft loose");
+            let bed = bed.sticking(stuck)?;
+            stuck_errors.push(bed.try_out(axis, &bench, Stage::Control, Arm::Friction)?);
+        }
         if let Some((fed, errors)) = &mut fed_back_errors {
             axis.say(Stage::Control, &format!("{} fed back", fed.kind));
             let bed = bed.feeding_back(Some(*fed));
             errors.push(bed.try_out(axis, &bench, Stage::Control, Arm::Friction)?);
         }
     }
-    let arm = choose(&errors);
+    let chosen_arm = choose(&errors);
+    // Beside a load it is what it is beside the friction alone.
+    let beside = if chosen_arm == Arm::Load { Arm::Friction } else { chosen_arm };
+    let stuck = stuck.filter(|_| is_better(&stuck_errors, beside, &errors));
+    let arm = if stuck.is_some() { chosen_arm.max(Arm::Friction) } else { chosen_arm };
     let of_arm = errors.iter().position(|(one, _)| *one == arm);
     let level = of_arm.map_or(1.0, |place| level_now(1.0, &heard[place]));
-    let bed = bed.leveled(level);
+    let bed = bed.leveled(level).sticking(stuck)?;
     let fed = fed_back_errors.as_ref().filter(|(_, fed)| is_better(fed, arm, &errors));
     let fed_bed = fed.map(|(fed, _)| bed.feeding_back(Some(*fed)));
+    let looks = |most| Looks { later, sure: RESTED, most };
     let rested = match fed_bed {
-        Some(bed) => Some(at_rest(axis, &bench, bed, Arm::Friction, (later, HOLDS_FED_BACK))?),
+        Some(bed) => {
+            let what = (Stage::Control, Arm::Friction);
+            Some(at_rest(axis, &bench, what, bed, looks(HOLDS_FED_BACK))?)
+        }
         None => None,
     };
     // What is fed back and hunts is not handed over.
-    let ((bed, rests), arm) = match rested.filter(|(_, rests)| *rests) {
+    let (Rested { bed, rests }, arm) = match rested.filter(|rested| rested.rests) {
         Some(rested) => (rested, Arm::Friction),
-        None => (at_rest(axis, &bench, bed, arm, (later, HOLDS))?, arm),
+        None => (at_rest(axis, &bench, (Stage::Control, arm), bed, looks(HOLDS))?, arm),
     };
     let (design, resting_angle) = (*bed.design(), bed.resting_angle());
     let LinearDrive { gain, time_constant } = refined.drive;
@@ -154,44 +180,75 @@ pub fn control(
         fed_back_errors,
         resting_angle,
         rests,
+        stuck,
+        stuck_errors,
         level,
     })
 }
 
-/// The loop with which the shaft rests after a move either way, and whether it does. What a shaft
-/// slips by is what its integral has to leave alone; what still hunts then, as in backlash, takes a
-/// slower loop.
-fn at_rest(
+/// A loop that was looked at for whether the shaft rests after moves.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rested {
+    /// The loop, with the error up to which its integral stands still.
+    pub bed: Bed,
+    /// Whether the shaft rested after moves either way.
+    pub rests: bool,
+}
+
+/// How long a shaft may be looked at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Looks {
+    /// Rig time that is left for what comes later \[s\].
+    pub later: f64,
+    /// Moves that are made whatever time is left.
+    pub sure: u32,
+    /// Moves in all.
+    pub most: u32,
+}
+
+/// The loop with which the shaft rests after a move either way, and whether it does.
+///
+/// Integral action and stiction make a limit cycle (hunting; Armstrong-Helouvry, Dupont and Canudas de
+/// Wit 1994, section 4.2.3); a dead zone of the integral that is wider than what the shaft slips by
+/// ([`Bed::slip`], and as it was seen) ends it. What still hunts then, as in backlash, takes a slower loop. Where nothing of that was seen to
+/// help, the integral stands still whenever the reference does, and the loop is as fast as it was.
+pub(crate) fn at_rest(
     axis: &mut Axis<'_>,
     bench: &Bench,
-    mut bed: Bed,
-    arm: Arm,
-    (later, most): (f64, u32),
-) -> Result<(Bed, bool), CommissionError> {
+    (stage, arm): (Stage, Arm),
+    first: Bed,
+    Looks { later, sure, most }: Looks,
+) -> Result<Rested, CommissionError> {
+    let mut bed = first;
     let (mut rested, mut forward) = (0, true);
     for attempt in 1..=most {
-        if attempt > RESTED && axis.left() < later + REST + HELD.1 {
+        if attempt > sure && axis.left() < later + REST + HELD.1 {
             break;
         }
-        axis.say(Stage::Control, &format!("move and hold, {attempt}"));
-        let held = bed.move_and_hold(axis, bench, Stage::Control, (arm, forward), HELD)?;
+        axis.say(stage, &format!("move and hold, {attempt}"));
+        let held = bed.move_and_hold(axis, bench, stage, (arm, forward), HELD)?;
         forward = !forward;
         if hunting::rests(&held, bed.encoder_step()) {
             rested += 1;
             if rested == RESTED {
-                return Ok((bed.resting(MARGIN * bed.resting_angle()), true));
+                let helped = bed.resting_angle() > first.resting_angle();
+                let margin = if helped { MARGIN } else { 1.0 };
+                return Ok(Rested { bed: bed.resting(margin * bed.resting_angle()), rests: true });
             }
             continue;
         }
         rested = 0;
         let farthest = held.iter().map(|error| error.abs()).fold(0.0, f64::max);
-        bed = bed.resting((LEFT * farthest).max(2.0 * bed.resting_angle()));
-        if attempt >= SLOWER {
+        let before = bed.resting_angle();
+        bed = bed.resting((LEFT * farthest).max(2.0 * bed.resting_angle()).max(bed.slip()));
+        // What swings while its integral stands still is the loop itself.
+        let alone = attempt >= ALONE && farthest <= before;
+        if attempt >= SLOWER || alone {
             let fastest = SLOWED * bed.design().natural_frequency;
-            bed = bed.with(design_below(bed.plant(), QUICK, fastest, Stage::Control)?);
+            bed = bed.with(design_below(bed.plant(), QUICK, fastest, stage)?);
         }
     }
-    Ok((bed, false))
+    Ok(Rested { bed: first.resting(first.amplitude()), rests: false })
 }
 
 /// Rig time that a try of feedback takes at most, with what comes behind it in the stage \[s\].

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use rig_driver::safety::Travel;
-use rig_setup::{Ends, Search, find_ends, find_moves};
+use rig_setup::{Ends, RigSetupError, Search, find_ends, find_moves};
 use serde::{Deserialize, Serialize};
 
 use crate::axis::{Axis, Known};
@@ -14,8 +14,11 @@ use crate::{CommissionError, Stage};
 const SPEED: f64 = 0.03;
 /// Time in which its ramp would reach the voltage limit \[s\].
 const RAMP: f64 = 12.0;
-/// Highest voltage of the ramp, as a share of the limit.
-const SHARE: f64 = 0.95;
+/// Highest voltage of the ramp, as a share of the limit: where the encoder does not count, nothing else
+/// ends it, and the ends are not known yet.
+const SHARE: f64 = 0.6;
+/// The same of the creeping, once the encoder was seen to count.
+const COUNTS: f64 = 0.95;
 /// What may be added to twice the voltage that moves the shaft, as a share of the limit.
 const ABOVE: f64 = 0.05;
 /// What is left free before a place that held the shaft, as a share of what was walked.
@@ -94,12 +97,29 @@ pub fn find(axis: &mut Axis<'_>, known: &Known, angle: f64) -> Result<Sought, Co
         above: ABOVE * known.voltage,
     };
     axis.reserve(Stage::Meet, 4.0 * angle / search.speed + BESIDE)?;
-    let moves =
-        axis.session(SHARE * known.voltage, |session, say| find_moves(session, &search, say))?;
+    let moves = axis
+        .session(SHARE * known.voltage, |session, say| find_moves(session, &search, say))
+        .map_err(|error| said(error, known.voltage))?;
     // The safety layer holds what it may be pushed with.
-    let most = moves.most(&search, SHARE * known.voltage);
+    let most = moves.most(&search, COUNTS * known.voltage);
     let ends = axis.session(most, |session, say| find_ends(session, &search, &moves, say))?;
     Sought::of(ends, angle)
+}
+
+/// What to look at where nothing was seen to move.
+fn said(error: CommissionError, limit: f64) -> CommissionError {
+    match error {
+        CommissionError::Rig(RigSetupError::DoesNotMove { volts, travelled, .. }) => {
+            CommissionError::Unusable {
+                stage: Stage::Meet,
+                why: format!(
+                    "looking for the ends of the travel, the encoder counted {travelled} up to {volts:.2} V, {:.0} % of the limit of {limit:.2} V, and more is not tried while nobody knows the ends. Turn the shaft by hand first: its counts have to change, else it is the encoder's plug or supply. If they do, look at the motor's leads and the amplifier's enable; an axis that is as stiff takes --travel LOW:HIGH, with which more is tried",
+                    100.0 * SHARE
+                ),
+            }
+        }
+        error => error,
+    }
 }
 
 #[cfg(test)]

@@ -26,6 +26,7 @@ pub mod loop_design;
 pub mod margin;
 pub mod meet;
 pub mod model;
+mod noticed;
 pub mod pareto;
 pub mod proof;
 pub mod protocols;

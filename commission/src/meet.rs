@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::axis::{Axis, Known};
 use crate::ends::{self, Sought};
+use crate::noticed::{as_stated, noticed};
 use crate::travel::TravelAsked;
 use crate::{CommissionError, Stage};
 
@@ -49,28 +50,43 @@ pub struct Met {
     pub tachometer_noise: f64,
     /// What was not as expected and is put right.
     pub corrected: Vec<String>,
+    /// What was noticed of sensors that contradict each other, or say nothing.
+    #[serde(default)]
+    pub noticed: Vec<String>,
+    /// The fastest speed by the encoder, where a contradiction made it less [rad/s].
+    #[serde(default)]
+    pub fastest: Option<f64>,
     /// The ends of the travel, where they were looked for.
     #[serde(default)]
     pub sought: Option<Sought>,
 }
 
 impl Met {
-    /// What is known of a rig, and the travel that was found for it.
+    /// Voltage that breaks the shaft loose, the mean of both directions: a load falls out of it \[V\].
+    #[must_use]
+    pub fn breakaway(&self) -> f64 {
+        0.5 * (self.calibration.deadband_forward + self.calibration.deadband_backward)
+    }
+
+    /// What is known of a rig, with the travel that was found for it and a speed that holds by all its
+    /// sensors.
     #[must_use]
     pub fn known(&self, known: &Known) -> Known {
         let travel = known.travel.or(self.sought.and_then(|sought| sought.travel));
-        Known { travel, ..known.clone() }
+        let velocity = known.velocity.min(self.fastest.unwrap_or(f64::INFINITY));
+        Known { travel, velocity, ..known.clone() }
     }
 }
 
 /// Does the stage; a travel that was to be found is told to `keep` before anything faster is driven.
+/// `stated` is what the user's file says of the sensors: what contradicts it is refused.
 ///
 /// # Errors
 /// [`CommissionError`] if the rig refuses, does not move, or shows what no wiring explains.
 pub fn meet(
     axis: &mut Axis<'_>,
     known: &Known,
-    asked: Option<TravelAsked>,
+    (asked, stated): (Option<TravelAsked>, Option<Calibration>),
     keep: impl FnOnce(Option<Travel>) -> Result<(), CommissionError>,
 ) -> Result<Met, CommissionError> {
     let sought = match asked {
@@ -94,6 +110,9 @@ pub fn meet(
         ..Procedure::default()
     };
     let found = axis.session(volts, |session, say| run_procedure(session, &procedure, say))?;
+    let seen = noticed(&found, known);
+    seen.said.iter().for_each(|said| axis.tell(said));
+    as_stated(&found, stated, known)?;
     let deadband = found.deadband_forward.value.max(found.deadband_backward.value);
     let slope = slope(&found.levels).ok_or_else(|| CommissionError::Unusable {
         stage: Stage::Meet,
@@ -113,13 +132,16 @@ pub fn meet(
         "torque sign" => found.torque_sign.is_some(),
         _ => true,
     };
-    let corrected = found
+    let corrected: Vec<String> = found
         .verdicts()
         .into_iter()
         .filter(|verdict| there(verdict.what))
         .filter_map(|verdict| Some(format!("{}: {}", verdict.what, verdict.wrong?)))
         .collect();
+    corrected.iter().for_each(|said| axis.tell(&format!("put right: {said}")));
     Ok(Met {
+        noticed: seen.said,
+        fastest: seen.fastest,
         description: known.description.clone(),
         calibration: found.calibration(),
         tachometer: found.tachometer_gain.is_some(),

@@ -10,9 +10,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::axis::{Axis, Bench};
 use crate::bed::{Arm, Bed, missed, seconds};
-use crate::control::whole;
+use crate::control::{HOLDS, Looks, Rested, at_rest, whole};
 use crate::identified::Looped;
 use crate::level::level_now;
+use crate::loop_design::LoopDesign;
 use crate::margin::{DriftMargin, drift_margin};
 use crate::{CommissionError, Ranged, Stage, hunting};
 
@@ -82,10 +83,29 @@ pub struct Proof {
     /// How much of the friction is compensated in the end, of what the curve says.
     #[serde(default = "whole")]
     pub level: f64,
-    /// Error up to which the integral stands still in the end \[rad\]: larger than before where the
-    /// shaft hunted while it was held.
+    /// What was made calmer because the shaft hunted while it was held.
     #[serde(default)]
-    pub resting_angle: Option<f64>,
+    pub calmed: Option<Calmed>,
+}
+
+/// A loop that was made calmer, and looked at once more.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Calmed {
+    /// The loop.
+    pub design: LoopDesign,
+    /// Error up to which its integral stands still while the reference does \[rad\].
+    pub resting_angle: f64,
+    /// Whether the shaft rested after moves either way then.
+    pub rests: bool,
+}
+
+impl Proof {
+    /// What is handed over, of what was to be proven.
+    #[must_use]
+    pub fn handed_over(&self, bed: &Bed) -> Bed {
+        let bed = bed.leveled(self.level);
+        self.calmed.map_or(bed, |calmed| bed.with(calmed.design).resting(calmed.resting_angle))
+    }
 }
 
 /// Rig time of the stage \[s\].
@@ -122,14 +142,22 @@ pub fn proof(axis: &mut Axis<'_>, bed: &Bed, arm: Arm) -> Result<Proof, Commissi
     }
     let (moves, farthest) = moves(axis, &bench, bed, arm)?;
     let hunted = moves.as_ref().is_some_and(|moves| moves.hunted.1 > 0);
-    let resting_angle = hunted.then(|| (LEFT * farthest).max(LARGER * bed.resting_angle()));
+    let calmed = if hunted {
+        let angle = (LEFT * farthest).max(LARGER * bed.resting_angle());
+        let looks = Looks { later: 0.0, sure: 0, most: HOLDS };
+        let what = (Stage::Proof, arm);
+        let Rested { bed, rests } = at_rest(axis, &bench, what, bed.resting(angle), looks)?;
+        Some(Calmed { design: *bed.design(), resting_angle: bed.resting_angle(), rests })
+    } else {
+        None
+    };
     let ratio = ratio(&pairs);
     let last = heard.split_off(heard.len().saturating_sub(LAST));
     let level = match bed.fed_back() {
         None => level_now(bed.level(), &last),
         Some(_) => bed.level(),
     };
-    Ok(Proof { arm, pairs, ratio, moves, drift, level, resting_angle })
+    Ok(Proof { arm, pairs, ratio, moves, drift, level, calmed })
 }
 
 /// What is done by the linear gains alone, and what by `arm`; which comes first changes with `pair`.

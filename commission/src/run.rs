@@ -33,7 +33,8 @@ const MODEL: f64 = 45.0;
 pub struct Asked {
     /// The rig.
     pub rig: RigChoice,
-    /// What it is opened with.
+    /// What it is opened with; its calibration is what the user's file states, and not used: what
+    /// contradicts it is refused.
     pub setup: RigSetup,
     /// How well the friction is to be known.
     pub wanted: Wanted,
@@ -112,15 +113,19 @@ pub fn run(
     }
 
     let met: Met = stage(dossier, Stage::Meet, &mut axis, |axis| {
-        meet::meet(axis, known, asked.travel, |travel| {
+        meet::meet(axis, known, (asked.travel, asked.setup.calibration), |travel| {
             dossier.keep_travel(travel, known.switched_on)
         })
     })?;
     let known = &met.known(known);
     axis.stay_within(known.travel);
+    axis.stay_below(known.velocity);
     axis.calibrate(met.calibration);
     if !(met.tachometer && met.torque) {
         axis.trust_the_encoder_alone();
+    }
+    if met.torque {
+        axis.watch_torque();
     }
     let drive: Drive =
         stage(dossier, Stage::Drive, &mut axis, |axis| drive::drive(axis, known, &met))?;
@@ -143,16 +148,19 @@ pub fn run(
         control::control(axis, parts, (&friction, &chosen), proof::seconds_needed())
     })?;
     let bed = Bed::of(known, &drive, (&friction, &chosen), control.design)?
+        .breaking_loose(met.breakaway())
+        .sticking(control.stuck)?
         .resting(control.resting_angle)
         .leveled(control.level)
         .feeding_back(control.fed_back);
     axis.expect(proof::seconds_needed());
     let proof: Proof =
         stage(dossier, Stage::Proof, &mut axis, |axis| proof::proof(axis, &bed, control.arm))?;
-    let bed =
-        bed.leveled(proof.level).resting(proof.resting_angle.unwrap_or(control.resting_angle));
+    let bed = proof.handed_over(&bed);
 
     let seconds = axis.used();
+    let noticed = [met.noticed.clone(), axis.noticed()].concat();
+    let met = Met { noticed, ..met };
     let rig = asked.rig.to_string();
     let found = Found { rig, seconds, met, drive, friction, chosen, control, proof };
     let document = hand_over::write(dossier, known, &found, &bed, &asked.wanted)?;

@@ -7,7 +7,7 @@ use commission::friction::wanted::Wanted;
 use commission::travel::TravelAsked;
 use commission::trial::case;
 use commission::{Asked, CommissionError, Dossier, Outcome, run};
-use machine_rig::{Machine, MachineFactory, Peaks, Stops, peaks, random};
+use machine_rig::{Break, Breakdown, Machine, MachineFactory, Peaks, Stops, peaks, random};
 use rig_driver::RigRegistry;
 use rig_setup::{RigChoice, RigLimits, RigSetup};
 use work::progress::Progress;
@@ -88,6 +88,28 @@ fn an_axis_without_ends_is_told_as_free_after_the_angle() {
     let sought = outcome.unwrap().found.met.sought.unwrap();
     assert!(sought.travel.is_none() && dossier.travel().unwrap().is_none());
     assert!(sought.to_string().contains("4.0 rad either way"), "{sought}");
+}
+
+/// The encoder does not count from the start on, and the ends are not known: what moves the shaft is
+/// not seen, and is not raised to the voltage limit.
+#[test]
+fn an_encoder_that_does_not_count_ends_the_search_early_with_what_to_look_at() {
+    let _ = RigRegistry::standard().with(MachineFactory).install();
+    for tachometer in [false, true] {
+        let folder = tempfile::tempdir().unwrap();
+        let mut machine = machine(1, Some(Stops { low: -20.0, high: 30.0 }));
+        machine.sensed.tachometer = tachometer;
+        machine.breaks = Some(Breakdown { what: Break::EncoderUnplugged, after: 0.0 });
+        let (outcome, _, peaks) = sought(&machine, folder.path(), 8.0);
+        let said = outcome.unwrap_err().to_string();
+        assert!(said.contains("by hand") && said.contains("encoder's plug"), "{said}");
+        let limit = machine.limits.voltage.unwrap();
+        assert!(peaks.voltage <= 0.61 * limit, "{said}: {peaks:?} of {limit} V");
+        assert_eq!(peaks.last_voltage, 0.0);
+        // What the tachometer shows ends it as soon as the shaft turns.
+        assert_eq!(said.contains("tachometer"), tachometer, "{said}");
+        assert!(!tachometer || peaks.voltage < 0.5 * limit, "{peaks:?} of {limit} V");
+    }
 }
 
 #[test]

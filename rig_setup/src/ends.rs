@@ -9,6 +9,7 @@ use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
+use super::unseen::Unseen;
 use super::{RigSetupError, Session};
 
 /// How ends are looked for.
@@ -170,10 +171,12 @@ fn ramp(
     direction: f64,
 ) -> Result<Option<(f64, f64)>, RigSetupError> {
     let step = search.ramp * session.period();
+    let mut unseen = Unseen::of(&session.hold(0.0, SETTLE)?, session.period());
     let first = session.step(|_| 0.0)?;
     let (mut volts, mut found) = (0.0, None);
     while volts <= session.max_volts() && found.is_none() {
         let seen = session.step(|_| direction * volts)?;
+        unseen.watch(&seen, volts)?;
         let way = seen.encoder_position - first.encoder_position;
         let counts = (seen.encoder_counts - first.encoder_counts).abs();
         if counts >= MOVED && way.abs() >= MOVED_ANGLE {

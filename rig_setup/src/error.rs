@@ -30,6 +30,16 @@ pub enum RigSetupError {
         /// Travel by the encoder.
         travelled: i64,
     },
+    /// The shaft turns by its tachometer, and the encoder does not count.
+    #[error(
+        "at {volts:.2} V the tachometer shows {velocity:.3} rad/s and the encoder does not count: the motor is at zero volts. Look at the encoder's plug and supply: turned by hand, its counts have to change"
+    )]
+    EncoderStands {
+        /// The magnitude at which it was seen \[V\].
+        volts: f64,
+        /// What the tachometer showed [rad/s].
+        velocity: f64,
+    },
     /// The shaft moves where it should stand.
     #[error(
         "the shaft moved by {counts} counts at zero volts: something else turns it, or the encoder picks up noise; hold it still and start again"
@@ -82,6 +92,7 @@ impl RigSetupError {
             Self::Rig(error) => error.is_bad_input(),
             Self::NotDriven(_) | Self::Nodes(_) | Self::OtherDevice { .. } => true,
             Self::DoesNotMove { .. }
+            | Self::EncoderStands { .. }
             | Self::MovesAtRest { .. }
             | Self::EncoderErratic
             | Self::Undetermined { .. }

@@ -19,6 +19,7 @@ mod profile;
 mod session;
 mod strokes;
 mod terminal;
+mod unseen;
 
 pub use bench_rig::{BenchRig, REST, Reopen};
 pub use choice::RigChoice;

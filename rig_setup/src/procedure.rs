@@ -12,6 +12,7 @@ use rig_driver::{Measurement, Sign};
 
 use super::findings::{Findings, Level};
 use super::strokes::{Room, strokes};
+use super::unseen::Unseen;
 use super::{RigSetupError, Session};
 
 /// Lengths and sizes of the steps.
@@ -106,8 +107,9 @@ pub fn run(
         for (direction, found) in [(1.0, &mut forward), (-1.0, &mut backward)] {
             let lowest = found.iter().copied().fold(f64::INFINITY, f64::min);
             let from = if lowest.is_finite() { procedure.again * lowest } else { 0.0 };
+            let unseen = Unseen::of(&rest, session.period());
             let Breakaway { above, below, counts } =
-                breakaway(session, procedure, direction, from)?;
+                breakaway(session, procedure, (direction, from), unseen)?;
             found.push(0.5 * (above + below));
             width = width.max(above - below);
             signs.push(direction * counts as f64);
@@ -202,13 +204,14 @@ struct Breakaway {
 fn breakaway(
     session: &mut Session<'_>,
     procedure: &Procedure,
-    direction: f64,
-    from: f64,
+    (direction, from): (f64, f64),
+    mut unseen: Unseen,
 ) -> Result<Breakaway, RigSetupError> {
     let (mut volts, mut start, step) = (from, None, procedure.ramp * session.period());
     let mut below = None;
     loop {
         let seen = session.step(|_| direction * volts)?;
+        unseen.watch(&seen, volts)?;
         let (first, origin) = *start.get_or_insert((seen.encoder_counts, seen.encoder_position));
         let counts = seen.encoder_counts - first;
         let angle = (seen.encoder_position - origin).abs();

@@ -7,7 +7,7 @@ mod opening;
 mod repeats;
 mod turns;
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::SystemTime;
@@ -37,6 +37,10 @@ pub struct Axis<'a> {
     /// How far the winding was above ambient when the rig was left last \[K\]: whoever opens it anew
     /// tells the safety layer.
     rise: Cell<f64>,
+    /// A torque sensor that showed the friction, and may cease to.
+    torque: Cell<bool>,
+    /// What was noticed of it since.
+    noticed: RefCell<Vec<String>>,
 }
 
 impl<'a> Axis<'a> {
@@ -50,12 +54,15 @@ impl<'a> Axis<'a> {
     ) -> Self {
         progress.advance(used);
         Self {
-            opening: Opening::new(rig.clone(), setup),
+            // The commission finds its own calibration.
+            opening: Opening::new(rig.clone(), RigSetup { calibration: None, ..setup }),
             stop,
             progress,
             allowed,
             used,
             rise: Cell::new(0.0),
+            torque: Cell::new(false),
+            noticed: RefCell::default(),
         }
     }
 
@@ -76,7 +83,7 @@ impl<'a> Axis<'a> {
         self.progress.stage(format!("{stage}: {what}"));
     }
 
-    /// Says a line that stays.
+    /// Says a line that stays, of what the report tells too.
     pub fn tell(&self, line: &str) {
         self.progress.line(line);
     }
@@ -107,6 +114,17 @@ impl<'a> Axis<'a> {
         self.opening.encoder_alone = true;
     }
 
+    /// The torque sensor showed the friction: it is told where it stands still from now on.
+    pub fn watch_torque(&self) {
+        self.torque.set(true);
+    }
+
+    /// What was noticed while it was driven.
+    #[must_use]
+    pub fn noticed(&self) -> Vec<String> {
+        self.noticed.borrow().clone()
+    }
+
     /// Only this device is driven from now on.
     pub fn drive_only(&mut self, description: Option<RigDescription>) {
         self.opening.expected = description;
@@ -115,6 +133,11 @@ impl<'a> Axis<'a> {
     /// The shaft is to stay in there, by the rig's own count.
     pub fn stay_within(&mut self, travel: Option<Travel>) {
         self.opening.setup.limits.travel = travel;
+    }
+
+    /// The shaft is to stay below that speed by its encoder [rad/s].
+    pub fn stay_below(&mut self, velocity: f64) {
+        self.opening.setup.limits.velocity = Some(velocity);
     }
 
     /// Where the stages may be, as the readings are corrected; none where the travel has no ends.

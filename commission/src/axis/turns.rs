@@ -4,6 +4,7 @@ use controller::{Controller, ControllerOptions, Feedback, Reference};
 use experiment_runner::control_loop::RunningLoop;
 use experiment_runner::cycle::CycleSample;
 use experiment_runner::waveform::Waveform;
+use report::numbers::significant;
 use rig_driver::{Measurement, Rig, RigError};
 use rig_setup::{Heat, REST};
 
@@ -15,6 +16,8 @@ const SHORTEST_GO: f64 = 0.6;
 const LONGEST_GO: f64 = 8.0;
 const SETTLED: f64 = 0.5;
 const GOES: u32 = 2;
+/// Time through which a torque sensor that shows friction never stands still \[s\].
+const STANDS: f64 = 3.0;
 
 /// A rig that is lent for one turn.
 type Lent = Box<dyn Rig + Send>;
@@ -157,11 +160,29 @@ impl Axis<'_> {
         volts: impl FnMut(&Measurement) -> f64,
     ) -> Result<Vec<Measurement>, CommissionError> {
         let heat = bench.0.winding().map(Heat);
-        self.in_turn(bench, stage, seconds, |rig| {
+        let seen = self.in_turn(bench, stage, seconds, |rig| {
             let mut seen = Vec::new();
             let outcome = driven(rig, seconds, heat, volts, &mut seen);
             (seen.len(), outcome.map(|()| seen).map_err(CommissionError::from))
-        })
+        })?;
+        self.heed_torque(&seen, bench.period());
+        Ok(seen)
+    }
+
+    /// Says once where a torque sensor stands still while the shaft goes to and fro.
+    fn heed_torque(&self, seen: &[Measurement], period: f64) {
+        let Some(first) = seen.first().filter(|_| self.torque.get()) else { return };
+        let lasts = seen.len() as f64 * period;
+        if lasts < STANDS || seen.iter().any(|now| now.torque != first.torque) {
+            return;
+        }
+        self.torque.set(false);
+        let said = format!(
+            "the torque sensor stood at {} N m through a turn in which the shaft went to and fro: it is at the end of its range, or its plug came off. Nothing depends on it here",
+            significant(first.torque, 3)
+        );
+        self.tell(&said);
+        self.noticed.borrow_mut().push(said);
     }
 
     /// A turn of `seconds`, begun cool and counted: `work` has the rig, and says how many cycles it

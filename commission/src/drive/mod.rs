@@ -9,11 +9,12 @@ mod strokes;
 
 use std::ops::Range;
 
+use report::numbers::significant;
 use rig_driver::Measurement;
 use serde::{Deserialize, Serialize};
 
 use self::output_error::{Fit, fit};
-use crate::axis::{Axis, Known};
+use crate::axis::{Axis, Bench, Known};
 use crate::meet::Met;
 use crate::{CommissionError, Ranged, Stage};
 
@@ -25,6 +26,17 @@ const KNOWN: f64 = 1e-3;
 const PIECES: usize = 4;
 /// What is missed in a stretch that counts, over what is usual.
 const DISTURBED: f64 = 3.0;
+/// A stretch whose gain is so many times that of the others was disturbed too.
+const APART: f64 = 1.5;
+/// Excitations in all, where the delay stays vague: its half interval is more than that \[s\], or that of
+/// the time constant more than that share.
+const ROUNDS: u32 = 3;
+const VAGUE: (f64, f64) = (1.5e-3, 0.15);
+/// Rig time that all later stages take at least \[s\]: no more is spent here where it is not left.
+const LATER: f64 = 420.0;
+/// The lowest voltage of a further excitation over friction in motion, and over that of before.
+const ON: f64 = 1.3;
+const LOWER: f64 = 0.5;
 /// Time in which the shaft starts in a direction \[s\].
 const START: f64 = 1.0;
 /// Angular frequencies of the excitation [rad/s]; none is a multiple of another.
@@ -61,36 +73,103 @@ pub struct Drive {
     pub encoder_step: f64,
 }
 
-/// Does the stage.
+/// A delay below this is none that a drive can have \[s\].
+const EARLY: f64 = -2e-4;
+
+impl Drive {
+    /// Whether the drive seems to answer before it is asked, as one with a load behind a play does: its
+    /// delay is not known then.
+    #[must_use]
+    pub fn seems_early(&self) -> bool {
+        self.delay.high.is_some_and(|high| high < EARLY)
+    }
+
+    /// Whether time constant and delay are not well known, so that the loop would be slower than it can
+    /// be, or less robust.
+    fn is_vague(&self) -> bool {
+        let half = |ranged: Ranged| Some(0.5 * (ranged.high? - ranged.low?));
+        let late = half(self.delay).is_none_or(|half| half > VAGUE.0);
+        let slow = self.time_constant.relative().is_none_or(|share| share > VAGUE.1);
+        late || slow
+    }
+
+    /// The delay as people read it.
+    #[must_use]
+    pub fn delay_said(&self) -> String {
+        if self.seems_early() {
+            return format!(
+                "not known: the drive seems to answer {} ms before it is asked, as one with a play does. The gains are made for none, and have less margin than is told where there is one",
+                significant(-1e3 * self.delay.value, 2)
+            );
+        }
+        self.delay.said("s")
+    }
+}
+
+/// Does the stage, and says what of it cannot be.
 ///
 /// # Errors
 /// [`CommissionError`] if the rig refuses, or the recording says nothing of the drive.
 pub fn drive(axis: &mut Axis<'_>, known: &Known, met: &Met) -> Result<Drive, CommissionError> {
+    let found = excited(axis, known, met)?;
+    if found.seems_early() {
+        axis.tell(&format!("delay: {}", found.delay_said()));
+    }
+    Ok(found)
+}
+
+/// Does the stage.
+///
+/// # Errors
+/// [`CommissionError`] if the rig refuses, or the recording says nothing of the drive.
+fn excited(axis: &mut Axis<'_>, known: &Known, met: &Met) -> Result<Drive, CommissionError> {
     axis.say(Stage::Drive, "tones of voltage, forwards and back");
     let mut peak = peak(known, met);
     if let Some(reach) = axis.reach() {
         return strokes::drive(axis, met, reach, peak);
     }
-    let low = met.deadband.min(LOWEST * peak);
+    let mut low = met.deadband.min(LOWEST * peak);
     let bench = axis.bench()?;
+    let mut heard: Vec<Fit> = Vec::new();
+    let mut round = 1;
+    loop {
+        let (seen, driven) = tones_at(axis, &bench, low, peak)?;
+        peak = driven;
+        let pieces = pieces(seen.len() - 1, bench.period());
+        heard.extend(fits(&seen, pieces, bench.period()));
+        let found = evaluate(heard.clone(), encoder_step(&seen), peak);
+        let vague = found.as_ref().map_or(true, Drive::is_vague);
+        if !vague || round == ROUNDS || axis.left() < LATER {
+            return found;
+        }
+        axis.say(Stage::Drive, "once more: the delay is not well known");
+        // A shaft that turns needs no more than its friction to go on: the tones may be larger.
+        let slow = heard.iter().map(|fit| fit.slow).fold(0.0, f64::max);
+        low = low.min((ON * slow).max(LOWER * low));
+        round += 1;
+    }
+}
+
+/// The excitation between these voltages, less where the motor becomes too warm; and its peak.
+fn tones_at(
+    axis: &mut Axis<'_>,
+    bench: &Bench,
+    low: f64,
+    mut peak: f64,
+) -> Result<(Vec<Measurement>, f64), CommissionError> {
     let whole = (SECONDS / bench.period()) as usize;
-    let mut seen = Vec::new();
     for _ in 0..ATTEMPTS {
-        seen = axis.excite(&bench, Stage::Drive, SECONDS, |time| excitation(low, peak, time))?;
+        let seen = axis.excite(bench, Stage::Drive, SECONDS, |time| excitation(low, peak, time))?;
         // What became too warm was cut short: once it has cooled, less will do.
         if seen.len() >= whole {
-            break;
+            return Ok((seen, peak));
         }
         peak = low + LESS * (peak - low);
     }
-    if seen.len() < whole {
-        return Err(CommissionError::Unusable {
-            stage: Stage::Drive,
-            why: "the motor becomes too warm by the model of the safety layer, even under little more than its friction; the thermal constants of the rig's parameters should be those of this motor".to_owned(),
-        });
-    }
-    let pieces = pieces(seen.len() - 1, bench.period());
-    evaluate(&seen, pieces, bench.period(), peak)
+    Err(CommissionError::Unusable {
+        stage: Stage::Drive,
+        why: "the motor becomes too warm by the model of the safety layer, even under little more than its friction; the thermal constants of the rig's parameters should be those of this motor".to_owned(),
+    })
 }
 
 /// As much as limits of voltage and speed allow.
@@ -116,27 +195,30 @@ fn tones(time: f64) -> f64 {
     tones / TONES.len() as f64
 }
 
-fn evaluate(
+/// The fits of stretches of one recording.
+fn fits(
     seen: &[Measurement],
     pieces: impl IntoIterator<Item = Range<usize>>,
     period: f64,
-    peak: f64,
-) -> Result<Drive, CommissionError> {
-    let unusable =
-        |why: &str| CommissionError::Unusable { stage: Stage::Drive, why: why.to_owned() };
-    let encoder_step = encoder_step(seen).ok_or_else(|| {
-        unusable("the encoder did not move under the excitation; look at its plug")
-    })?;
+) -> Vec<Fit> {
     // A reading tells the voltage of the cycle before it.
     let voltage: Vec<f64> = seen.iter().skip(1).map(|seen| seen.voltage_applied).collect();
     let position: Vec<f64> = seen.iter().map(|seen| seen.encoder_position).collect();
-    let fits: Vec<Fit> =
-        pieces.into_iter().filter_map(|piece| fit(&voltage, &position, piece, period)).collect();
+    pieces.into_iter().filter_map(|piece| fit(&voltage, &position, piece, period)).collect()
+}
+
+fn evaluate(fits: Vec<Fit>, step: Option<f64>, peak: f64) -> Result<Drive, CommissionError> {
+    let unusable =
+        |why: &str| CommissionError::Unusable { stage: Stage::Drive, why: why.to_owned() };
+    let encoder_step = step.ok_or_else(|| {
+        unusable("the encoder did not move under the excitation; look at its plug")
+    })?;
     // A stretch that is missed far more than the others was disturbed.
     let mut missed: Vec<f64> = fits.iter().map(|fit| fit.missed).collect();
     missed.sort_by(f64::total_cmp);
     let usual = missed.get(missed.len() / 2).copied().unwrap_or_default();
     let fits: Vec<Fit> = fits.into_iter().filter(|fit| fit.missed <= DISTURBED * usual).collect();
+    let fits = alike(fits);
     let of = |value: fn(&Fit) -> f64| {
         let values: Vec<f64> = fits.iter().map(value).collect();
         Ranged::mean_of(&values)
@@ -150,6 +232,16 @@ fn evaluate(
     };
     let missed = fits.iter().map(|fit| fit.missed).fold(0.0, f64::max);
     Ok(Drive { gain, time_constant, delay, peak, missed, encoder_step })
+}
+
+/// Stretches whose gain is that of most of them: no drive has two. All of them where most differ.
+fn alike(fits: Vec<Fit>) -> Vec<Fit> {
+    let mut gains: Vec<f64> = fits.iter().map(|fit| fit.gain).collect();
+    gains.sort_by(f64::total_cmp);
+    let Some(&usual) = gains.get(gains.len() / 2) else { return fits };
+    let near = |fit: &&Fit| fit.gain < APART * usual && usual < APART * fit.gain;
+    let kept: Vec<Fit> = fits.iter().filter(near).copied().collect();
+    if 2 * kept.len() > fits.len() && kept.len() > 2 { kept } else { fits }
 }
 
 /// Stretches of one direction, each a measurement of its own: the first part of either direction is

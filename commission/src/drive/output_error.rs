@@ -17,6 +17,8 @@ pub(super) struct Fit {
     pub time_constant: f64,
     /// Delay \[s\]; a little below zero where there is none.
     pub delay: f64,
+    /// Voltage of friction and whatever else is slow, mean \[V\].
+    pub slow: f64,
     /// Root mean square of what is missed \[rad\].
     pub missed: f64,
 }
@@ -142,7 +144,8 @@ fn linear(
     }
     let solved = normal.cholesky()?.solve(&right);
     let missed = ((power - solved.dot(&right)).max(0.0) / rows).sqrt();
-    Some(Fit { gain: solved[0], time_constant, delay, missed })
+    let slow = solved.rows(1, knots).mean().abs() / solved[0];
+    Some(Fit { gain: solved[0], time_constant, delay, slow, missed })
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 use std::cell::{Cell, RefCell};
 use std::ops::Range;
 
-use super::{ABOVE, Drive, LESS, LOWEST, SECONDS, TONE, evaluate, tones};
+use super::{ABOVE, Drive, LESS, LOWEST, SECONDS, TONE, encoder_step, evaluate, fits, tones};
 use crate::axis::Axis;
 use crate::meet::Met;
 use crate::reach::Reach;
@@ -42,7 +42,8 @@ pub(super) fn drive(
     for _ in 0..ATTEMPTS {
         let (seen, pieces) = excite(axis, &bench, reach, (low, peak))?;
         if pieces.len() >= ENOUGH {
-            let found = evaluate(&seen, pieces, bench.period(), peak);
+            let told = fits(&seen, pieces, bench.period());
+            let found = evaluate(told, encoder_step(&seen), peak);
             if found.is_ok() {
                 return found;
             }

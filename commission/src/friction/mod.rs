@@ -249,6 +249,13 @@ fn is_known(curve: &Curve, wanted: &Wanted) -> bool {
 }
 
 impl Friction {
+    /// Mean speed of the blocks [rad/s].
+    #[must_use]
+    pub fn mean_speed(&self) -> f64 {
+        let sum = self.points.iter().map(|point| point.velocity).sum::<f64>();
+        sum / self.points.len().max(1) as f64
+    }
+
     /// The straight line through what was measured, where no dip is believed.
     #[must_use]
     pub fn straight(&self) -> Option<Curve> {

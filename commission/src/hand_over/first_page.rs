@@ -9,7 +9,6 @@ use super::summary::rest;
 use super::{Found, PARAMETERS};
 use crate::axis::Known;
 use crate::bed::Arm;
-use crate::feedback::Kind;
 
 /// A share of the friction that may change before the shaft hunts, below which it is looked at more
 /// often.
@@ -25,31 +24,20 @@ pub(super) fn blocks(found: &Found, known: &Known, folder: &str) -> Vec<Block> {
         Block::Table(axis(found, known)),
     ];
     blocks
+        .extend(found.met.noticed.iter().map(|said| Block::Note(format!("Look at this: {said}."))));
+    blocks
         .extend(found.met.corrected.iter().map(|said| Block::Note(format!("Put right: {said}."))));
     blocks.extend([
         Block::Heading("What to do".to_owned()),
         Block::Text(format!(
-            "Start the axis with the file that lies beside this page: `frictionlab live --rig {} --mode position {} --parameters {folder}/{PARAMETERS} --calibration {folder}/{PARAMETERS}`. ROS 2 nodes take the same file.",
+            "Start the axis with the file that lies beside this page: `frictionlab live --rig {} --parameters {folder}/{PARAMETERS} --calibration {folder}/{PARAMETERS}`. It says all that was proven. ROS 2 nodes take the same file.",
             found.rig,
-            means(found)
         )),
         Block::Text(format!("Then look whether it stands still after a move: {}.", rest(found))),
         Block::Heading("What to repeat, and when".to_owned()),
         Block::Table(again(found, folder)),
     ]);
     blocks
-}
-
-/// The option of `frictionlab live` that compensates as the proof did.
-fn means(found: &Found) -> &'static str {
-    match (found.control.fed_back.map(|fed| fed.kind), found.control.arm) {
-        (Some(Kind::Model), _) => "--means both",
-        (Some(Kind::DisturbanceObserver), _) => "--means disturbance-observer",
-        (Some(Kind::SuperTwisting), _) => "--means super-twisting",
-        (Some(Kind::Fuzzy), _) => "--means fuzzy",
-        (None, Arm::Friction | Arm::Load) => "--means feedforward",
-        (None, Arm::Reference | Arm::Linear) => "--no-compensation",
-    }
 }
 
 /// Whether what was added is worth it, in a sentence or two.

@@ -6,11 +6,15 @@ use report::numbers::{percent, significant};
 
 use super::Found;
 use crate::axis::Known;
-use crate::bed::Arm;
+use crate::bed::{Arm, Stuck};
 use crate::control::Control;
 use crate::friction::wanted::Wanted;
 use crate::friction::{Ending, Friction};
+use crate::noticed::by_hand;
 use crate::travel::TravelAsked;
+
+/// What is one count but for rounding.
+const ONE: f64 = 1.001;
 
 /// What is believed of a rig before it moves.
 #[must_use]
@@ -28,6 +32,11 @@ pub fn believed(rig: &str, known: &Known, travel: Option<TravelAsked>, minutes: 
     );
     let _ = writeln!(text, "cycle     {} ms", significant(1e3 * known.period, 3));
     let _ = writeln!(text, "used      the motor's voltage and the encoder; no other sensor");
+    let _ = writeln!(
+        text,
+        "scale     every angle, every speed and the speed limit are by the encoder's counts: where these are wrong, the shaft turns faster than is meant. {}",
+        by_hand(known)
+    );
     let _ = writeln!(
         text,
         "motion    the shaft turns both ways, {}, for at most {} min; ctrl-C ends it at zero volts",
@@ -62,6 +71,9 @@ pub fn summary(found: &Found, wanted: &Wanted) -> String {
     let mut row = |name: &str, value: String| {
         let _ = writeln!(text, "{name:<14}  {value}");
     };
+    for said in &found.met.noticed {
+        row("look at this", said.clone());
+    }
     for said in &found.met.corrected {
         row("put right", said.clone());
     }
@@ -70,6 +82,7 @@ pub fn summary(found: &Found, wanted: &Wanted) -> String {
     }
     row("gain", drive.gain.said("rad/s per V"));
     row("time constant", drive.time_constant.said("s"));
+    row("delay", drive.delay_said());
     row("f_c", curve.f_c.said("V"));
     row("f_s", curve.f_s.said("V"));
     row("v_s", curve.v_s.said("rad/s"));
@@ -88,6 +101,9 @@ pub fn summary(found: &Found, wanted: &Wanted) -> String {
         ),
     );
     row("fed forward", arm(control.arm).to_owned());
+    if let Some(said) = stuck(control) {
+        row("breakaway", said);
+    }
     row("fed back", fed_back(control));
     row("at rest", rest(found));
     row("margin", margin(found));
@@ -139,6 +155,23 @@ pub(super) const fn arm(arm: Arm) -> &'static str {
     }
 }
 
+/// What is fed forward of the voltage that broke the shaft loose, in words; nothing where none was tried.
+pub(super) fn stuck(control: &Control) -> Option<String> {
+    let tried = control.stuck_errors.iter().copied().fold(0.0, f64::max);
+    let mrad = significant(1e3 * tried, 3);
+    match control.stuck {
+        Some(Stuck { f_s, v_s }) => Some(format!(
+            "the shaft breaks loose at {} V, more than at any speed that it follows; that is fed forward below about {} rad/s, and leaves {mrad} mrad",
+            significant(f_s, 3),
+            significant(v_s, 2)
+        )),
+        None if tried > 0.0 => Some(format!(
+            "that the shaft breaks loose at more than it shows at any speed was tried too and is not clearly better ({mrad} mrad)"
+        )),
+        None => None,
+    }
+}
+
 /// What is fed back, in words.
 pub(super) fn fed_back(control: &Control) -> String {
     control.fed_back.map_or_else(
@@ -181,22 +214,41 @@ pub(super) fn velocity(found: &Found) -> String {
 
 /// Whether the shaft rests after a move.
 pub(super) fn rest(found: &Found) -> String {
-    if let Some(angle) = found.proof.resting_angle {
-        return format!(
-            "in the proof the shaft hunted while it was held; the integral stands still up to {} mrad of error now (`resting_angle`), which was not tried again: look at it, and set it larger if it still hunts",
-            significant(1e3 * angle, 3)
-        );
+    let mrad = |angle: f64| significant(1e3 * angle, 3);
+    // What an integral that stands still may leave.
+    let costs = |angle: f64| {
+        format!(
+            "the integral stands still up to {} mrad of error while the reference does (`resting_angle`), so that as much may be left when it holds",
+            mrad(angle)
+        )
+    };
+    if let Some(calmed) = found.proof.calmed {
+        let slower = calmed.design.natural_frequency < found.control.design.natural_frequency;
+        let slower = if slower { " and the loop is slower" } else { "" };
+        return match calmed.rests {
+            true => format!(
+                "in the proof the shaft hunted while it was held; now {}{slower}, and after moves either way it was seen to rest",
+                costs(calmed.resting_angle)
+            ),
+            false => format!(
+                "in the proof the shaft hunted while it was held, and nothing that was tried in the time that was left was seen to end it; now {}: look at it",
+                costs(calmed.resting_angle)
+            ),
+        };
     }
-    let angle = 1e3 * found.control.resting_angle;
+    let angle = found.control.resting_angle;
     match (found.control.rests, angle > 0.0) {
         (true, false) => "after a move the shaft rests".to_owned(),
-        (true, true) => format!(
-            "after a move the shaft rests, with an integral that stands still up to {} mrad of error (`resting_angle`); without that it hunts",
-            significant(angle, 3)
+        (true, true) if angle <= found.drive.encoder_step * ONE => format!(
+            "after a move the shaft rests; the integral stands still within one count of the encoder, {} mrad (`resting_angle`)",
+            mrad(angle)
         ),
+        (true, true) => {
+            format!("after a move the shaft rests, because {}; without that it hunts", costs(angle))
+        }
         (false, _) => format!(
-            "after a move the shaft still hunts, with an integral that stands still up to {} mrad of error: lower pid.k_i, or a larger resting_angle, ends it",
-            significant(angle, 3)
+            "after a move the shaft was not seen to rest in any of the tries; {}: look at it, and lower pid.k_p and pid.k_d if it still swings",
+            costs(angle)
         ),
     }
 }

@@ -168,7 +168,7 @@ fn designed(
     let known = crate::run::look(asked)?;
     let rig = &asked.rig;
     let mut axis = Axis::new(rig, asked.setup, Arc::clone(stop), progress, (allowed, 0.0));
-    let met = meet::meet(&mut axis, &known, None, |_| Ok(()))?;
+    let met = meet::meet(&mut axis, &known, (None, None), |_| Ok(()))?;
     axis.calibrate(met.calibration);
     let drive = drive::drive(&mut axis, &known, &met)?;
     let wanted: Wanted =

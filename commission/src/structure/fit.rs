@@ -2,8 +2,10 @@
 //!
 //! Each block has a friction of its own, which acts against both ways and is taken out of volts and
 //! columns alike (Frisch and Waugh 1933). Blocks count by how little they scatter. What is left at a
-//! speed is of one cause, so that the errors are those of clusters (Liang and Zeger 1986), with
-//! Student's quantile for as many speeds as are left of the columns.
+//! speed is of one cause, so that the errors are those of clusters: the jackknife that leaves out one
+//! speed after the other (MacKinnon, Nielsen and Webb 2023, J. Econometrics 232, CV3). Student's
+//! quantile is for as many speeds as effectively tell of a column (Carter, Schnepel and Steigerwald
+//! 2017, Rev. Econ. Stat. 99), and no more than are left of the columns.
 
 use friction_ident::statistics::{student_95, upper_median};
 use nalgebra::{DMatrix, DVector};
@@ -14,14 +16,18 @@ use crate::friction::{Part, Trail};
 const ROUNDS: usize = 3;
 /// Ratio of speeds up to which blocks are of one cluster.
 const ALIKE: f64 = 1.25;
-/// The least scatter of a block that is believed, as a share of the usual one.
-const LEAST: f64 = 0.1;
+/// The least scatter of a block that is believed, as a share of the usual one: what all parts of a block
+/// share does not show in it.
+const LEAST: f64 = 0.5;
 
 /// What may go with the place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Column {
     /// The same everywhere.
     One,
+    /// The same all over a block, by its speed over the fastest one [rad/s]: viscous friction of a
+    /// stickier direction.
+    Speed(f64),
     /// The place itself.
     Place,
     /// Sine of so many radians a radian.
@@ -31,14 +37,16 @@ pub(super) enum Column {
 }
 
 impl Column {
-    /// Its mean over a part of that length \[rad\] around a place.
-    pub(super) fn over(self, place: f64, length: f64) -> f64 {
+    /// Its mean over a part of a trail around a place \[rad\].
+    pub(super) fn over(self, place: f64, trail: &Trail) -> f64 {
+        let length = trail.length;
         let mean = |waves: f64| {
             let half = 0.5 * waves * length;
             if half.abs() < 1e-9 { 1.0 } else { half.sin() / half }
         };
         match self {
             Self::One => 1.0,
+            Self::Speed(fastest) => trail.velocity / fastest,
             Self::Place => place,
             Self::Sine(waves) => (waves * place).sin() * mean(waves),
             Self::Cosine(waves) => (waves * place).cos() * mean(waves),
@@ -54,8 +62,8 @@ pub(super) struct Fitted {
     pub(super) values: DVector<f64>,
     /// Their covariance.
     covariance: DMatrix<f64>,
-    /// Clusters less columns.
-    free: usize,
+    /// Degrees of freedom of each.
+    free: Vec<usize>,
     /// Scatter of each block \[V\].
     scatter: Vec<f64>,
 }
@@ -82,7 +90,7 @@ fn rows(trail: &Trail, columns: &[Column], level: bool) -> (DMatrix<f64>, DVecto
     let volts = without(DVector::from_iterator(all.len(), all.iter().map(|(_, (_, u))| *u)));
     let mut matrix = DMatrix::zeros(all.len(), columns.len());
     for (i, column) in columns.iter().enumerate() {
-        let values = all.iter().map(|(_, (place, _))| column.over(*place, trail.length));
+        let values = all.iter().map(|(_, (place, _))| column.over(*place, trail));
         matrix.set_column(i, &without(DVector::from_iterator(all.len(), values)));
     }
     (matrix, volts)
@@ -100,36 +108,20 @@ impl Fitted {
         let mut weights = vec![1.0; blocks.len()];
         let mut found = None;
         for _ in 0..ROUNDS {
-            let mut normal = DMatrix::<f64>::zeros(n, n);
-            let mut right = DVector::<f64>::zeros(n);
-            for ((x, y), weight) in blocks.iter().zip(&weights) {
-                normal += x.transpose() * x * *weight;
-                right += x.transpose() * y * *weight;
+            let mut parts = vec![(DMatrix::<f64>::zeros(n, n), DVector::<f64>::zeros(n)); count];
+            for (((x, y), weight), cluster) in blocks.iter().zip(&weights).zip(&clusters) {
+                parts[*cluster].0 += x.transpose() * x * *weight;
+                parts[*cluster].1 += x.transpose() * y * *weight;
             }
-            // The columns have sizes of their own.
-            let sizes = normal.diagonal().map(|size| if size > 0.0 { size.sqrt() } else { 1.0 });
-            let even = DMatrix::from_fn(n, n, |i, j| normal[(i, j)] / (sizes[i] * sizes[j]));
-            let told = even.clone().symmetric_eigen().eigenvalues.min();
-            if n > 0 && told.is_nan() || told < 1e-8 {
-                return None;
-            }
-            let inverse = even.try_inverse()?;
-            let inverse = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (sizes[i] * sizes[j]));
-            let values = &inverse * right;
+            let normal = parts.iter().fold(DMatrix::zeros(n, n), |sum, part| sum + &part.0);
+            let right = parts.iter().fold(DVector::zeros(n), |sum, part| sum + &part.1);
+            let inverse = inverted(&normal)?;
+            let values = &inverse * &right;
             let left: Vec<DVector<f64>> = blocks.iter().map(|(x, y)| y - x * &values).collect();
             let scatter: Vec<f64> =
                 left.iter().map(|r| (r.norm_squared() / r.len() as f64).sqrt()).collect();
-            let mut middle = DMatrix::<f64>::zeros(n, n);
-            let mut scores = vec![DVector::<f64>::zeros(n); count];
-            for ((((x, _), r), weight), cluster) in
-                blocks.iter().zip(&left).zip(&weights).zip(&clusters)
-            {
-                scores[*cluster] += x.transpose() * r * *weight;
-            }
-            for score in &scores {
-                middle += score * score.transpose();
-            }
-            let covariance = &inverse * middle * &inverse * (count as f64 / free as f64);
+            let covariance = jackknife(&normal, &right, &parts)?;
+            let free = (0..n).map(|column| effective(&inverse, &parts, column).min(free)).collect();
             let usual = upper_median(&mut scatter.clone()).unwrap_or_default();
             let least = LEAST * usual;
             weights = scatter.iter().map(|s| s.max(least).max(1e-12).powi(-2)).collect();
@@ -140,7 +132,7 @@ impl Fitted {
 
     /// A value's standard error and the half width of its 95 % interval.
     pub(super) fn half(&self, column: usize) -> f64 {
-        student_95(self.free) * self.covariance[(column, column)].max(0.0).sqrt()
+        student_95(self.free[column]) * self.covariance[(column, column)].max(0.0).sqrt()
     }
 
     /// Size of the wave of two columns, and the half width of its 95 % interval.
@@ -153,7 +145,8 @@ impl Fitted {
         let (a, b) = (a / size, b / size);
         let c = |i: usize, j: usize| self.covariance[(sine + i, sine + j)];
         let variance = a * a * c(0, 0) + 2.0 * a * b * c(0, 1) + b * b * c(1, 1);
-        (size, student_95(self.free) * variance.max(0.0).sqrt())
+        let free = self.free[sine].min(self.free[sine + 1]);
+        (size, student_95(free) * variance.max(0.0).sqrt())
     }
 
     /// Mean square of what it misses of other trails \[V^2\].
@@ -178,7 +171,7 @@ impl Fitted {
                 .columns
                 .iter()
                 .zip(self.values.iter())
-                .map(|(column, value)| value * column.over(*place, trail.length))
+                .map(|(column, value)| value * column.over(*place, trail))
                 .sum();
             (*place, volts - fitted)
         };
@@ -188,6 +181,56 @@ impl Fitted {
             ..trail.clone()
         }
     }
+}
+
+/// The inverse; none where the columns are not told apart.
+fn inverted(normal: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let n = normal.nrows();
+    // The columns have sizes of their own.
+    let sizes = normal.diagonal().map(|size| if size > 0.0 { size.sqrt() } else { 1.0 });
+    let even = DMatrix::from_fn(n, n, |i, j| normal[(i, j)] / (sizes[i] * sizes[j]));
+    let told = even.clone().symmetric_eigen().eigenvalues.min();
+    if n > 0 && told.is_nan() || told < 1e-8 {
+        return None;
+    }
+    let inverse = even.try_inverse()?;
+    Some(DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] / (sizes[i] * sizes[j])))
+}
+
+/// Covariance by what the values are without each of the clusters; none where one of them alone tells
+/// the columns apart.
+fn jackknife(
+    normal: &DMatrix<f64>,
+    right: &DVector<f64>,
+    parts: &[(DMatrix<f64>, DVector<f64>)],
+) -> Option<DMatrix<f64>> {
+    let without = |(own, told): &(DMatrix<f64>, DVector<f64>)| {
+        Some(inverted(&(normal - own))? * (right - told))
+    };
+    let all: Vec<DVector<f64>> = parts.iter().map(without).collect::<Option<_>>()?;
+    let count = all.len() as f64;
+    let mean = all.iter().fold(DVector::zeros(right.len()), |sum, one| sum + one) / count;
+    let n = right.len();
+    let spread = all.iter().fold(DMatrix::zeros(n, n), |sum, one| {
+        let apart = one - &mean;
+        sum + &apart * apart.transpose()
+    });
+    Some(spread * ((count - 1.0) / count))
+}
+
+/// Degrees of freedom by how many clusters effectively tell of a column.
+fn effective(
+    inverse: &DMatrix<f64>,
+    parts: &[(DMatrix<f64>, DVector<f64>)],
+    column: usize,
+) -> usize {
+    let of = inverse.column(column);
+    let share = |part: &(DMatrix<f64>, DVector<f64>)| (of.transpose() * &part.0 * of)[0];
+    let shares: Vec<f64> = parts.iter().map(share).collect();
+    let (sum, squares) =
+        shares.iter().fold((0.0, 0.0), |(sum, squares), a| (sum + a, squares + a * a));
+    let clusters = sum * sum / squares;
+    if clusters.is_finite() { (clusters.round() as usize).saturating_sub(1).max(1) } else { 1 }
 }
 
 /// The cluster of each trail.

@@ -32,12 +32,12 @@ const UNSURE: f64 = 0.1;
 const KNOWN: f64 = 0.02;
 /// Waves that are told, at most.
 const WAVES: usize = 3;
-/// A wave has to be so many half widths of its interval, and a load, of which few speeds tell, so
-/// many: each is the best of several that were looked at.
+/// A wave or a load has to be so many half widths of its interval: each is the best of several that
+/// were looked at.
 const STANDS_OUT: f64 = 2.0;
-const STANDS_UP: f64 = 3.0;
-/// A delay so far below zero is none \[s\].
-const EARLY: f64 = -2e-4;
+/// No voltage that depends on place or direction is known better than this share of the friction: at
+/// the beginning of a way some of the turn before it is left in the loop.
+const SETTLED: f64 = 0.008;
 
 /// What was found of one of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -111,24 +111,35 @@ enum Kind {
 }
 
 impl Kind {
-    fn columns(self) -> Vec<Column> {
+    /// Its columns, of blocks of which that is the fastest [rad/s].
+    fn columns(self, fastest: f64) -> Vec<Column> {
         let (sine, cosine) = (Column::Sine(1.0), Column::Cosine(1.0));
-        match self {
-            Self::Nothing => vec![Column::One],
-            Self::Spring => vec![Column::One, Column::Place],
-            Self::Gravity => vec![Column::One, sine, cosine],
-            Self::Both => vec![Column::One, sine, cosine, Column::Place],
-        }
+        let mut columns = vec![Column::One, Column::Speed(fastest)];
+        columns.extend(match self {
+            Self::Nothing => vec![],
+            Self::Spring => vec![Column::Place],
+            Self::Gravity => vec![sine, cosine],
+            Self::Both => vec![sine, cosine, Column::Place],
+        });
+        columns
     }
 
     /// Size of the load that hangs and half its interval, and of the spring.
-    fn sizes(self, fitted: &Fitted) -> Sizes {
-        let spring = |column: usize| (fitted.values[column], fitted.half(column));
+    fn sizes(self, fitted: &Fitted, (covered, friction): (f64, f64)) -> Sizes {
+        let least = SETTLED * friction;
+        let wave = |column: usize| {
+            let (size, half) = fitted.wave(column);
+            (size, half.hypot(least))
+        };
+        let spring = |column: usize| {
+            let least = least / covered.max(f64::MIN_POSITIVE);
+            (fitted.values[column], fitted.half(column).hypot(least))
+        };
         match self {
             Self::Nothing => (None, None),
-            Self::Spring => (None, Some(spring(1))),
-            Self::Gravity => (Some(fitted.wave(1)), None),
-            Self::Both => (Some(fitted.wave(1)), Some(spring(3))),
+            Self::Spring => (None, Some(spring(2))),
+            Self::Gravity => (Some(wave(2)), None),
+            Self::Both => (Some(wave(2)), Some(spring(4))),
         }
     }
 
@@ -136,11 +147,11 @@ impl Kind {
     /// a spring pulls back, over a part of a turn alone it may be a load that hangs upwards.
     fn is_clear(self, fitted: &Fitted, covered: f64, friction: f64) -> bool {
         let least = MATTERS * friction;
-        let (gravity, spring) = self.sizes(fitted);
-        gravity.is_none_or(|(size, half)| size > (STANDS_UP * half).max(least))
+        let (gravity, spring) = self.sizes(fitted, (covered, friction));
+        gravity.is_none_or(|(size, half)| size > (STANDS_OUT * half).max(least))
             && spring.is_none_or(|(stiffness, half)| {
                 let size = if covered < BENDS { stiffness.abs() } else { stiffness };
-                size * covered > (STANDS_UP * half * covered).max(least)
+                size * covered > (STANDS_OUT * half * covered).max(least)
             })
     }
 }
@@ -155,7 +166,8 @@ pub fn structure(trails: &[Trail], held_back: &[Trail], curve: &Curve, drive: &D
     let kept: Vec<&Trail> = kept.iter().collect();
     let covered = covered(trails);
     let play = play(drive);
-    let Some(plain) = Fitted::of(&smooth, &Kind::Nothing.columns(), false) else {
+    let fastest = trails.iter().map(|trail| trail.velocity).fold(f64::MIN_POSITIVE, f64::max);
+    let Some(plain) = Fitted::of(&smooth, &Kind::Nothing.columns(fastest), false) else {
         let why = format!("only {} blocks told of their places", trails.len());
         let unknown = || Finding::Unknown { why: why.clone() };
         return Structure {
@@ -182,7 +194,7 @@ pub fn structure(trails: &[Trail], held_back: &[Trail], curve: &Curve, drive: &D
     let mut chosen = (Kind::Nothing, plain.clone(), first);
     let fitted: Vec<(Kind, Fitted)> = able
         .iter()
-        .filter_map(|kind| Some((*kind, Fitted::of(&smooth, &kind.columns(), false)?)))
+        .filter_map(|kind| Some((*kind, Fitted::of(&smooth, &kind.columns(fastest), false)?)))
         .collect();
     for (kind, fitted) in &fitted {
         let now = missed(fitted);
@@ -193,14 +205,15 @@ pub fn structure(trails: &[Trail], held_back: &[Trail], curve: &Curve, drive: &D
     }
     let (kind, chosen, last) = chosen;
     let told = |parts: fn(Sizes) -> Option<(f64, f64)>| {
-        let there = parts(kind.sizes(&chosen));
+        let told = (covered, friction);
+        let there = parts(kind.sizes(&chosen, told));
         // Where it was not chosen: of the richest that was looked at.
-        let looked = fitted.iter().rev().find_map(|(kind, fitted)| parts(kind.sizes(fitted)));
+        let looked = fitted.iter().rev().find_map(|(kind, fitted)| parts(kind.sizes(fitted, told)));
         (there, looked)
     };
     let load = (kind != Kind::Nothing).then(|| {
         let value = |column: Column| {
-            let place = kind.columns().iter().position(|one| *one == column);
+            let place = kind.columns(fastest).iter().position(|one| *one == column);
             place.map_or(0.0, |place| chosen.values[place])
         };
         Load {
@@ -221,7 +234,10 @@ pub fn structure(trails: &[Trail], held_back: &[Trail], curve: &Curve, drive: &D
     let gravity = told(|parts| parts.0);
     let spring = told(|parts| parts.1);
     Structure {
-        direction: direction(kind, covered, (chosen.values[0], chosen.half(0)), friction),
+        direction: {
+            let one = (chosen.values[0], chosen.half(0).hypot(SETTLED * friction));
+            direction((kind, covered), one, spring.1, friction)
+        },
         gravity: found(gravity.0, gravity.1, friction, short),
         spring: if covered < BENDS && kind == Kind::Spring {
             Finding::Unknown {
@@ -243,14 +259,26 @@ pub fn structure(trails: &[Trail], held_back: &[Trail], curve: &Curve, drive: &D
     }
 }
 
-/// What is told of the directions: a load that is the same everywhere looks the same.
-fn direction(kind: Kind, covered: f64, one: (f64, f64), friction: f64) -> Finding {
+/// What is told of the directions: a load that is the same everywhere looks the same, as a spring does
+/// that was `looked` for and may be there all the same, slack somewhere in the middle of the places.
+fn direction(
+    (kind, covered): (Kind, f64),
+    one: (f64, f64),
+    looked: Option<(f64, f64)>,
+    friction: f64,
+) -> Finding {
     let unknown = |why: &str| Finding::Unknown { why: why.to_owned() };
+    let slack = "a spring whose slack place is not known looks the same";
     if matches!(kind, Kind::Spring | Kind::Both) {
-        return unknown("a spring whose slack place is not known looks the same");
+        return unknown(slack);
     }
     if covered < BENDS {
         return unknown("the blocks went over a part of a turn only, where a load looks the same");
+    }
+    let hidden = looked.map_or(0.0, |(size, half)| (size.abs() + half) * 0.5 * covered);
+    let (size, half) = one;
+    if size.abs() > half && size.abs() < half + hidden {
+        return unknown(slack);
     }
     found(Some(one), None, friction, String::new)
 }
@@ -325,15 +353,14 @@ fn next_wave(
 
 /// Play shows in how the drive answers the tones, if at all.
 fn play(drive: &Drive) -> Finding {
-    let delay = drive.delay;
-    match delay.high {
-        Some(high) if high < EARLY => Finding::Likely {
+    match drive.seems_early() {
+        true => Finding::Likely {
             why: format!(
                 "the drive seems to answer the tones {:.1} ms before they are asked: a load behind a play does so, which is thrown from one side to the other; how wide the play is an encoder on the motor's side does not tell",
-                -1e3 * delay.value
+                -1e3 * drive.delay.value
             ),
         },
-        _ => Finding::Unknown {
+        false => Finding::Unknown {
             why: "the encoder is on the motor's side, and the drive answers as one without play: a narrow play, a light load or one that is held does not show there; a sensor behind the gear tells it".to_owned(),
         },
     }

@@ -216,14 +216,17 @@ fn judge(
     let mut axis = Axis::new(&asked.rig, asked.setup, Arc::clone(stop), &progress, (allowed, 0.0));
     let known = &found.met.known(known);
     axis.stay_within(known.travel);
+    axis.stay_below(known.velocity);
     axis.calibrate(found.met.calibration);
     if !(found.met.tachometer && found.met.torque) {
         axis.trust_the_encoder_alone();
     }
     let bed = Bed::of(known, &found.drive, (&found.friction, &found.chosen), found.control.design)?
-        .resting(found.proof.resting_angle.unwrap_or(found.control.resting_angle))
-        .leveled(found.proof.level)
+        .breaking_loose(found.met.breakaway())
+        .sticking(found.control.stuck)?
+        .resting(found.control.resting_angle)
         .feeding_back(found.control.fed_back);
+    let bed = found.proof.handed_over(&bed);
     let arm = found.control.arm;
     let handed_over = stopped(finish(&mut axis, &bed, arm))?;
     let oracle =

@@ -25,6 +25,8 @@ pub struct Given {
     pub set_aside: BTreeSet<String>,
     /// The controller's parameters, as far as a file speaks of them.
     controller: ByName,
+    /// The observer's own, those of its models left out.
+    observer: ByName,
 }
 
 /// Values by the names of their parameters.
@@ -89,6 +91,19 @@ impl Given {
         Ok(ControllerOptions { guard, ..said.options()? })
     }
 
+    /// What the files say of the node `controller`, also what every experiment sets itself: for whoever
+    /// runs the nodes.
+    #[must_use]
+    pub const fn of_controller(&self) -> &BTreeMap<String, ParameterValue> {
+        &self.controller
+    }
+
+    /// What they say of the node `friction_observer`, but for the parameters of its models.
+    #[must_use]
+    pub const fn of_observer(&self) -> &BTreeMap<String, ParameterValue> {
+        &self.observer
+    }
+
     /// What the files say that does not count, in a sentence; none if everything does.
     #[must_use]
     pub fn note(&self) -> Option<String> {
@@ -110,7 +125,10 @@ impl Given {
                 .is_some_and(|group| group == "asymmetric" || group.parse::<ModelName>().is_ok())
             {
                 models.insert(name.clone(), value.clone());
-            } else if name != "model" && usual.get(name) != Some(value) {
+                continue;
+            }
+            self.observer.insert(name.clone(), value.clone());
+            if name != "model" && usual.get(name) != Some(value) {
                 self.set_aside.insert(format!("friction_observer.{name}"));
             }
         }

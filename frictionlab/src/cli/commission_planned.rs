@@ -127,6 +127,7 @@ pub(super) fn asked(args: &CommissionArgs, chosen: &Chosen) -> anyhow::Result<As
     let mut setup = RigSetup {
         limits: chosen.limits(args.voltage_limit),
         friction: AnyModel::test_bed(args.plant),
+        calibration: chosen.of_real().and_then(|profile| profile.calibration),
         wiring: wiring.map_err(|error| BadInput(format!("--miswired: {error}")))?,
         ..RigSetup::default()
     };

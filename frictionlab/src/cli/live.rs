@@ -16,6 +16,7 @@ use rig_driver::{RigRegistry, SimulationOptions};
 
 use super::serve::{USUAL, meaning, meaning_of};
 use crate::interruption;
+use crate::live::of_files::{self, OfFiles};
 use crate::live::{self, LiveOptions, Serving};
 use experiment_runner::asked::rig::{Chosen, RigParser, choose};
 use experiment_runner::compensation::Means;
@@ -62,16 +63,19 @@ pub struct LiveArgs {
     /// Length of the run [s] [default: until ctrl-C]
     #[arg(long, value_name = "SECONDS")]
     pub duration: Option<f64>,
-    /// What the controller regulates
-    #[arg(long, value_enum, default_value_t)]
-    pub mode: ModeArg,
+    /// What the controller regulates [default: as --parameters says, else velocity]
+    #[arg(long, value_enum)]
+    pub mode: Option<ModeArg>,
     /// The observer's friction model
-    #[arg(long, value_name = "NAME", default_value = "proposed", value_parser = model_name,
-        help = meaning_of(&ObserverParameters::default(), "model"))]
-    pub model: ModelName,
-    /// Parameters of the observer's model and of the controller: a parameters.yaml of `run` or
-    /// `identify`, a controller.yaml of `design`. May be given several times; of a value that
-    /// several files have the last counts [default: the thesis's test bed]
+    #[arg(long, value_name = "NAME", value_parser = model_name, help = format!(
+        "{} [default: as --parameters says, else proposed]",
+        meaning_of(&ObserverParameters::default(), "model")
+    ))]
+    pub model: Option<ModelName>,
+    /// Parameters of observer and controller: a parameters.yaml of `commission`, `run` or
+    /// `identify`, a controller.yaml of `design`. What they say counts where no option says
+    /// otherwise. May be given several times; of a value that several files have the last counts
+    /// [default: the thesis's test bed]
     #[arg(long, value_name = "FILE")]
     pub parameters: Vec<PathBuf>,
     /// The simulated plant's own friction model
@@ -88,9 +92,9 @@ pub struct LiveArgs {
     /// Angular frequency of the sine [rad/s] [default: 0.107 for velocity, 0.546 for position]
     #[arg(long, value_name = "W")]
     pub frequency: Option<f64>,
-    /// By what means friction is compensated
-    #[arg(long, value_enum, value_name = "MEANS", default_value_t)]
-    pub means: Means,
+    /// By what means friction is compensated [default: as --parameters says, else feedback]
+    #[arg(long, value_enum, value_name = "MEANS")]
+    pub means: Option<Means>,
     /// Estimate friction, but do not compensate it
     #[arg(long)]
     pub no_compensation: bool,
@@ -139,10 +143,9 @@ pub struct LiveArgs {
 const RATE: u32 = 1000;
 
 /// [`ControlMode`] on the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum ModeArg {
     /// Velocity, by the lag compensator
-    #[default]
     Velocity,
     /// Position, by the PID
     Position,
@@ -220,14 +223,13 @@ pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
 }
 
 fn options(args: &LiveArgs, chosen: &Chosen) -> anyhow::Result<LiveOptions> {
-    let mode = match args.mode {
-        ModeArg::Velocity => ControlMode::Velocity,
-        ModeArg::Position => ControlMode::Position,
-    };
     let given = experiment_runner::asked::given(&args.parameters)?;
-    if let Some(note) = given.note().filter(|_| !args.quiet) {
-        eprintln!("{note}");
-    }
+    let mode = match args.mode {
+        Some(ModeArg::Velocity) => ControlMode::Velocity,
+        Some(ModeArg::Position) => ControlMode::Position,
+        None => of_files::mode(&given).unwrap_or_default(),
+    };
+    let of_files = OfFiles::of(&given, args.no_compensation || args.means.is_some());
     let mut controller = given
         .controller(&ControllerOptions::default())
         .map_err(|error| BadInput(error.to_string()))?;
@@ -235,8 +237,9 @@ fn options(args: &LiveArgs, chosen: &Chosen) -> anyhow::Result<LiveOptions> {
     let limits = chosen.limits(None);
     let drive = chosen.motor().unwrap_or(usual.drive);
     let voltage_limit = limits.voltage.unwrap_or(usual.voltage_limit);
-    controller.compensation.volts_per_newton_metre =
-        usual.friction_coupling.volts_per_newton_metre(&drive);
+    controller.compensation.volts_per_newton_metre = of_files
+        .of_controller("volts_per_newton_metre")
+        .unwrap_or_else(|| usual.friction_coupling.volts_per_newton_metre(&drive));
     let test_bed = TestBed {
         simulation: SimulationOptions {
             period: 1.0 / f64::from(args.rate.unwrap_or(RATE)),
@@ -262,8 +265,9 @@ fn options(args: &LiveArgs, chosen: &Chosen) -> anyhow::Result<LiveOptions> {
         rate_given: args.rate.is_some(),
         test_bed,
         mode,
-        reference: reference(args)?,
-        observer: args.model,
+        reference: reference(args, mode)?,
+        observer: args.model.or_else(|| of_files::model(&given)).unwrap_or(ModelName::Proposed),
+        of_files,
         models: given.compensators,
         origins: {
             let mut origins = given.origins;
@@ -271,7 +275,7 @@ fn options(args: &LiveArgs, chosen: &Chosen) -> anyhow::Result<LiveOptions> {
             chosen.limit_origin(&mut origins);
             origins
         },
-        means: (!args.no_compensation).then_some(args.means),
+        means: (!args.no_compensation).then_some(args.means.unwrap_or_default()),
         seed: args.seed,
         duration: args.duration,
         serve: args.serve.then(|| Serving {
@@ -294,7 +298,7 @@ fn options(args: &LiveArgs, chosen: &Chosen) -> anyhow::Result<LiveOptions> {
     })
 }
 
-fn reference(args: &LiveArgs) -> anyhow::Result<Option<Waveform>> {
+fn reference(args: &LiveArgs, mode: ControlMode) -> anyhow::Result<Option<Waveform>> {
     if args.reference == ReferenceArg::Ros {
         return if args.amplitude.or(args.frequency).is_none() {
             Ok(None)
@@ -326,9 +330,9 @@ fn reference(args: &LiveArgs) -> anyhow::Result<Option<Waveform>> {
         ))
         .into());
     }
-    let default = match args.mode {
-        ModeArg::Velocity => TrackingProtocol::velocity().reference,
-        ModeArg::Position => TrackingProtocol::position().reference,
+    let default = match mode {
+        ControlMode::Velocity => TrackingProtocol::velocity().reference,
+        ControlMode::Position => TrackingProtocol::position().reference,
     };
     Ok(Some(match (args.reference, default) {
         (ReferenceArg::Constant | ReferenceArg::Ros, _) => {
@@ -348,4 +352,72 @@ fn reference(args: &LiveArgs) -> anyhow::Result<Option<Waveform>> {
         }
         (ReferenceArg::Sine, other) => other,
     }))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+    use experiment_runner::asked::rig::choose;
+    use ros_node::ParameterValue;
+
+    use super::*;
+
+    #[derive(clap::Parser)]
+    struct Command {
+        #[command(flatten)]
+        args: LiveArgs,
+    }
+
+    /// What a commission hands over, as far as `live` would else do as it pleases.
+    const HANDED_OVER: &str = "
+/friction_observer:
+  ros__parameters:
+    model: stribeck
+    stribeck: {f_s: 0.5, f_c: 0.4, v_s: 0.1, delta: 2.0, f_v: 0.0}
+    technique: feedforward
+    mode: position
+    drive: {gain: 1.2, time_constant: 0.05, volts_per_newton_metre: 1.0}
+    period: 0.002
+/controller:
+  ros__parameters:
+    mode: position
+    compensation: true
+    volts_per_newton_metre: 1.0
+    voltage_limit: 8.0
+    resting_angle: 0.003
+    pid: {k_p: 9.0, k_i: 20.0, k_d: 0.1}
+";
+
+    fn of(more: &[&str]) -> LiveOptions {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("parameters.yaml");
+        std::fs::write(&file, HANDED_OVER).unwrap();
+        let file = file.display().to_string();
+        let command = Command::parse_from([&["live", "--parameters", &file], more].concat());
+        options(&command.args, &choose(Some(&RigChoice::Simulated), None).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn what_was_handed_over_counts_by_its_file_alone() {
+        let options = of(&[]);
+        assert_eq!((options.mode, options.observer), (ControlMode::Position, ModelName::Stribeck));
+        assert_eq!(options.models.get(ModelName::Stribeck).parameter("f_s"), Some(0.5));
+        assert_eq!(options.test_bed.controller.compensation.volts_per_newton_metre, 1.0);
+        assert_eq!(options.test_bed.controller.resting_angle, 0.003);
+        let said = |name: &str| options.of_files.observer.get(name).cloned();
+        assert_eq!(said("technique"), Some(ParameterValue::String("feedforward".to_owned())));
+        assert_eq!(said("drive.gain"), Some(ParameterValue::Double(1.2)));
+        assert_eq!(said("period"), None);
+        assert_eq!(options.of_files.controller["compensation"], ParameterValue::Boolean(true));
+        assert_eq!(options.of_files.controller["voltage_limit"], ParameterValue::Double(8.0));
+    }
+
+    #[test]
+    fn what_an_option_says_counts_above_the_file() {
+        let options = of(&["--mode", "velocity", "--model", "lugre", "--means", "fuzzy"]);
+        assert_eq!((options.mode, options.observer), (ControlMode::Velocity, ModelName::LuGre));
+        assert_eq!(options.means, Some(Means::Fuzzy));
+        assert!(!options.of_files.observer.contains_key("technique"));
+        assert!(!of(&["--no-compensation"]).of_files.controller.contains_key("compensation"));
+    }
 }

@@ -11,6 +11,7 @@
 mod answering;
 mod diagnostics;
 mod error;
+pub mod of_files;
 mod period_errors;
 mod publishing;
 mod recording;
@@ -40,6 +41,8 @@ use serde::Serialize;
 pub use error::LiveError;
 pub use report::LiveReport;
 pub use ros_node::timing::{Percentiles, Timing};
+
+use of_files::OfFiles;
 
 use answering::{Ending, InProcess, Memory};
 use period_errors::PeriodErrors;
@@ -98,6 +101,8 @@ pub struct LiveOptions {
     pub observer: ModelName,
     /// Every model with the parameters that the observer knows of it.
     pub models: Compensators,
+    /// What else parameter files say of the nodes.
+    pub of_files: OfFiles,
     /// Where the parameters come from that are no defaults.
     pub origins: Origins,
     /// By what means the estimate enters the command; none for not at all.

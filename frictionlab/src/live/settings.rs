@@ -35,7 +35,7 @@ pub(super) fn arguments(options: &LiveOptions, period: f64) -> Result<Arguments,
     let mut nodes = vec![
         ("rig_driver", rig(options)),
         ("friction_observer", observer(options, &estimator, period)?),
-        ("controller", control(&controller)?),
+        ("controller", control(&controller, &options.of_files.controller)?),
     ];
     if let Some(serving) = &options.serve {
         nodes.push(("experiment_runner", runner(options, serving)));
@@ -91,12 +91,14 @@ fn observer(
         given.extend(said.map_err(|error| LiveError::Parameters(error.to_string()))?);
     }
     given.insert("period".to_owned(), ParameterValue::Double(period));
+    given.extend(options.of_files.observer.clone());
     Ok(given)
 }
 
-fn control(options: &ControllerOptions) -> Result<Given, LiveError> {
+fn control(options: &ControllerOptions, of_files: &Given) -> Result<Given, LiveError> {
     let mut given = ControllerParameters::saying(options)
         .map_err(|error| LiveError::Parameters(error.to_string()))?;
     given.insert("period".to_owned(), ParameterValue::Double(options.period));
+    given.extend(of_files.clone());
     Ok(given)
 }
