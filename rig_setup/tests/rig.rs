@@ -112,6 +112,12 @@ fn swapped_leads_of_the_motor_are_told_from_swapped_sensors() {
 #[test]
 fn plugs_that_are_out_are_named() {
     let error = set_up("encoder-unplugged", None, 1).unwrap_err();
+    // The tachometer tells before the ramp has gone far beyond breakaway.
+    assert!(
+        matches!(error, RigSetupError::EncoderStands { volts, .. } if volts < 2.0 * BREAKAWAY),
+        "{error}"
+    );
+    let error = set_up("encoder-unplugged,tachometer-unplugged", None, 1).unwrap_err();
     assert!(
         matches!(error, RigSetupError::DoesNotMove { direction: "forwards", travelled: 0, .. }),
         "{error}"
