@@ -18,6 +18,10 @@ use crate::{Ending, IdentError};
 
 /// Share of the sum of squares by which a search for parameters must still fall to go on.
 const EXACT: f64 = 1e-8;
+/// Share of the sum of squares that a force that was recorded late takes off at least.
+const LATE: f64 = 0.1;
+/// Share of the longest delay below which a delay lies at zero.
+const AT_ONCE: f64 = 1e-6;
 /// Periods that are looked at, and how many of them are tried.
 const PERIODS: usize = 400;
 const TRIED: usize = 3;
@@ -65,7 +69,34 @@ impl<'a> Search<'a> {
 
     /// The best fit from that of a structure that has less: grids for what is new, then all
     /// together, until the sum of squares does not fall by more than `enough` of itself.
+    ///
+    /// The motion follows the force. That the force was recorded late is believed only where the
+    /// motion that follows at once leaves clearly more over: lost motion and pre-sliding that the
+    /// structure lacks look like a little of it.
     pub fn grown(
+        &mut self,
+        from: &AxisStructure,
+        mut start: Shape,
+        enough: f64,
+    ) -> Result<Best, IdentError> {
+        let either_way = self.limits;
+        self.limits.low.delay = 0.0;
+        start.delay = start.delay.max(0.0);
+        let prompt = self.grown_within(from, start, enough)?;
+        if !self.structure.delay || prompt.shape.delay > AT_ONCE * self.limits.high.delay {
+            return Ok(prompt);
+        }
+        let followed = std::mem::replace(&mut self.limits, either_way);
+        let late = self.closer(prompt.shape, &[], enough)?;
+        let [rest, late_rest] = [&prompt, &late].map(|best| best.solution.residual.norm_squared());
+        if late_rest < (1.0 - LATE) * rest {
+            return Ok(late);
+        }
+        self.limits = followed;
+        Ok(prompt)
+    }
+
+    fn grown_within(
         &mut self,
         from: &AxisStructure,
         mut start: Shape,
@@ -265,7 +296,8 @@ impl<'a> Search<'a> {
             let (low, high) = (term.value(&self.limits.low), term.value(&self.limits.high));
             jacobian.set_column(columns + j, &-slope);
             x.push(value);
-            held.push(value <= low * (1.0 + 1e-9) || value >= high * (1.0 - 1e-9));
+            let near = 1e-9 * (high - low);
+            held.push(value <= low + near || value >= high - near);
         }
         let residuals = best.solution.residual.clone();
         let sum = residuals.norm_squared();
