@@ -6,6 +6,7 @@
 
 use std::fmt;
 
+use crate::axis_structure::AxisStructure;
 use crate::conditioning::Conditioned;
 use crate::rigid_axis::Prediction;
 
@@ -18,6 +19,8 @@ const NOTICED: f64 = 0.02;
 /// A prediction of another recording that is off by this factor more than was to be expected says
 /// that what was found does not hold there.
 pub const MOST_ELSEWHERE: f64 = 2.0;
+/// Factor by which a structure may be further off than a simpler one on another recording.
+pub const MOST_OUTDONE: f64 = 1.05;
 /// Ranges of a quantity over which means of the residual are taken.
 const BINS: usize = 12;
 
@@ -92,6 +95,20 @@ pub enum FitDoubt {
         /// Relative error of the prediction \[%\].
         there: f64,
     },
+    /// A simpler structure does better in another recording.
+    #[error(
+        "is off by {there:.1} % of the force on the other recording, where {simpler} is off by \
+         {simpler_there:.1} %: what it has more describes the recording it was fitted to, and does \
+         not hold there. For such motion take --structure {simpler}"
+    )]
+    Outdone {
+        /// Relative error of the prediction \[%\].
+        there: f64,
+        /// The structure that has less.
+        simpler: AxisStructure,
+        /// Relative error of its prediction \[%\].
+        simpler_there: f64,
+    },
 }
 
 impl FitDoubt {
@@ -112,6 +129,18 @@ pub fn elsewhere(expected: f64, power: f64, there: &Prediction) -> Option<FitDou
     let size = share * (measured / power).sqrt();
     let fails = share.min(size) > MOST_ELSEWHERE;
     fails.then_some(FitDoubt::Elsewhere { expected, there: there.relative_error })
+}
+
+/// Whether the best of some simpler structures does clearly better on another recording, with their
+/// relative errors there \[%\].
+pub fn outdone(
+    there: &Prediction,
+    simpler: impl IntoIterator<Item = (AxisStructure, f64)>,
+) -> Option<FitDoubt> {
+    let there = there.relative_error;
+    let best = simpler.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    let (simpler, simpler_there) = best.filter(|best| there > MOST_OUTDONE * best.1)?;
+    Some(FitDoubt::Outdone { there, simpler, simpler_there })
 }
 
 fn mean_square(values: &[f64]) -> f64 {

@@ -128,6 +128,11 @@ impl AxisStructure {
             + extra(self.harmonic, 3)
     }
 
+    /// Whether its force is linear in all of its parameters.
+    pub fn is_linear(&self) -> bool {
+        !(self.stribeck || self.presliding || self.damping || self.delay || self.harmonic)
+    }
+
     /// Whether it needs the position, and not the velocity alone.
     pub fn needs_position(&self) -> bool {
         self.position || self.gravity || self.harmonic

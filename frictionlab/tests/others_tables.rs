@@ -294,6 +294,37 @@ fn what_fails_on_the_recording_kept_back_is_not_identified() {
     assert_eq!(against("other.csv"), 0);
 }
 
+/// A ripple was fitted on the recording and is not there on the other one: the simpler structure does
+/// better there, and the page says which.
+#[test]
+fn a_structure_that_a_simpler_one_outdoes_elsewhere_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let tones = [[0.8, 0.31], [0.3, 0.83], [0.1, 1.7]];
+    let plain = quick_joint(&tones, 1.0, 0.0);
+    let mut lines = plain.lines();
+    let mut rippled = format!("{}\n", lines.next().unwrap());
+    for line in lines {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let [time, q, tau] = cells[..] else { panic!("{line}") };
+        rippled += &format!("{time},{q},{}\n", tau + 0.3 * (12.0 * q).sin());
+    }
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("rippled.csv", &rippled);
+    write("same.csv", &rippled);
+    write("plain.csv", &quick_joint(&tones, 1.0, 20.0));
+    let said = |other: &str| {
+        let identify =
+            ["identify", "rippled.csv", "--axis", "rotary", "--quiet", "--force", "--out", "found"];
+        let more = ["--structure", "auto", "--validate", other];
+        ok(folder.path(), &[&identify[..], &more].concat());
+        let text = fs::read_to_string(folder.path().join("found/identification.json")).unwrap();
+        let document: Value = serde_json::from_str(&text).unwrap();
+        document["structure"]["warnings"].to_string()
+    };
+    assert!(said("plain.csv").contains("take --structure symmetric"), "{}", said("plain.csv"));
+    assert!(!said("same.csv").contains("take --structure"), "{}", said("same.csv"));
+}
+
 /// How many parameters of the plain models and of the structure are called identified.
 fn identified(folder: &Path) -> usize {
     let text = fs::read_to_string(folder.join("found/identification.json")).unwrap();

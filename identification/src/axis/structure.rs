@@ -163,12 +163,22 @@ pub fn structured(
     let here = fit.predict(estimation)?;
     let there = validation.map(|other| fit.predict(other)).transpose()?;
     let promised = scores.get(choice.chosen);
-    let doubts: Vec<FitDoubt> = adequacy::doubts(&here, estimation)
-        .into_iter()
-        .chain(promised.zip(there.as_ref()).and_then(|(score, there)| {
-            adequacy::elsewhere(score.relative_error, score.force_power, there)
-        }))
-        .collect();
+    let fails = promised.zip(there.as_ref()).and_then(|(score, there)| {
+        adequacy::elsewhere(score.relative_error, score.force_power, there)
+    });
+    let outdone = there.as_ref().zip(validation).and_then(|(there, other)| {
+        let simpler = scores.iter().map(|score| score.structure).filter(|simpler| {
+            simpler.is_linear() && simpler.parameters() < fit.structure.parameters()
+        });
+        let error = |simpler: AxisStructure| {
+            let fit = fit_structure(estimation, simpler, units(axis)).ok()?;
+            Some((simpler, fit.predict(other).ok()?.relative_error))
+        };
+        adequacy::outdone(there, simpler.filter_map(error))
+    });
+    let mut doubts = adequacy::doubts(&here, estimation);
+    doubts.extend(fails);
+    doubts.extend(outdone);
     if doubts.iter().any(FitDoubt::condemns) {
         fit.estimates.distrust();
     }
