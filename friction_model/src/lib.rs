@@ -145,7 +145,7 @@ pub use elasto_plastic::{ElastoPlastic, ElastoPlasticParameters};
 pub use elements::Elements;
 pub use error::ModelError;
 pub use gms::{Gms, GmsParameters};
-pub use hysteresis::{Hysteresis, VirginCurve};
+pub use hysteresis::{Course, Hysteresis, VirginCurve};
 pub use karnopp::{Karnopp, KarnoppParameters};
 pub use leuven::{Leuven, LeuvenParameters};
 pub use load_dependent::LoadDependent;

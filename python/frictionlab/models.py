@@ -145,6 +145,9 @@ class Model:
     ) -> Floats:
         """The friction of many parameter sets along one motion, a row a set, on all cores.
 
+        LuGre, GMS, Xiong's and the proposed model compute sixteen sets at once on each core, to rounding what
+        `force` gives.
+
         `varied` has a value a set for each parameter that varies; a number of a list is named by its
         place, as ``"kappa[0]"``. The others are this model's.
 

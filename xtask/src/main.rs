@@ -8,6 +8,7 @@ mod bench_monte_carlo;
 mod bench_ros;
 mod bench_simulate;
 mod bench_step;
+mod bench_sweep;
 mod book;
 mod distribution;
 mod lanes;
@@ -45,6 +46,9 @@ enum Task {
     /// Nanoseconds of a whole control step, estimator and controller, for every model and
     /// technique.
     BenchStep(bench_step::BenchStep),
+    /// Nanoseconds a step of many parameter sets along one motion: in lanes beside the scalar step, on
+    /// all cores beside Numba's `prange`.
+    BenchSweep(bench_sweep::BenchSweep),
     /// The book, from docs/ into target/book, with the pages that are made from the code made anew
     /// first.
     Book(book::Book),
@@ -70,6 +74,7 @@ fn main() -> anyhow::Result<()> {
         Task::BenchRos(bench) => bench.run(),
         Task::BenchSimulate(bench) => bench.run(),
         Task::BenchStep(bench) => bench.run(),
+        Task::BenchSweep(bench) => bench.run(),
         Task::Book(book) => book.run(),
         Task::PythonEnv(python_env) => python_env.run(),
         Task::Simulators(simulators) => simulators.run(),

@@ -2,7 +2,6 @@
 //! what disjoint halves of the logs agree on.
 
 pub mod drive;
-mod elementary;
 pub mod fit_quality;
 mod goals;
 pub mod half_samples;

@@ -3,8 +3,9 @@
 
 use std::f64::consts::LOG2_E;
 
+use friction_lanes::elementary::{exp2, larger, log2, mul_add, sin, smaller, within};
+
 use super::drive::Drive;
-use super::elementary::{exp2, larger, log2, mul_add, sin, smaller, within};
 use super::lanes::{Block, Group, Sample, WIDTH};
 use super::log::TIME_STEP;
 use super::parameter::ServoParameter::*;

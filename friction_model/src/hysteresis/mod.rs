@@ -48,9 +48,10 @@ struct Point<T: Real = f64> {
     f: T,
 }
 
-/// A branch between two turns: the virgin curve, or its double from a reversal on.
+/// A branch between two turns: the virgin curve, or its double from a reversal on. Along it the
+/// force is `F = f_r + stretch f(shrink (z - z_r))`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Course<T: Real = f64> {
+pub struct Course<T: Real = f64> {
     /// Direction: -1, 0 before the first motion, or 1.
     s: T,
     /// The reversal from which it starts; zero for the virgin curve.
@@ -89,6 +90,31 @@ impl<T: Real> Course<T> {
     #[inline(always)]
     fn is_open_at(&self, z: T) -> bool {
         self.s * (z - self.closes_at) < T::ZERO
+    }
+
+    /// Direction in which it is followed: -1, 0 before the first motion, or 1.
+    #[must_use]
+    pub const fn direction(&self) -> T {
+        self.s
+    }
+
+    /// Deflection \[m or rad\] and force \[N or N m\] of the reversal `(z_r, f_r)` from which it
+    /// starts; zero for the virgin curve.
+    #[must_use]
+    pub const fn origin(&self) -> (T, T) {
+        (self.origin.z, self.origin.f)
+    }
+
+    /// The deflection at which it has closed \[m or rad\]; infinitely far for the virgin curve.
+    #[must_use]
+    pub const fn closes_at(&self) -> T {
+        self.closes_at
+    }
+
+    /// Factor of the virgin curve's force, and of its deflection.
+    #[must_use]
+    pub const fn factors(&self) -> (T, T) {
+        (self.stretch, self.shrink)
     }
 
     #[inline(always)]
@@ -221,6 +247,19 @@ impl<T: Real> Hysteresis<T> {
         } else {
             curve.slope(T::ZERO)
         }
+    }
+
+    /// The present branch.
+    #[must_use]
+    pub const fn course(&self) -> &Course<T> {
+        &self.course
+    }
+
+    /// Takes it that the present branch was followed to the deflection `z` \[m or rad\], where its
+    /// force is `f` \[N or N m\]: for whoever follows a branch himself, and calls
+    /// [`commit`](Self::commit) where it ends.
+    pub const fn follow(&mut self, z: T, f: T) {
+        self.last = Point { z, f };
     }
 
     /// Force at the last committed deflection.

@@ -63,7 +63,7 @@ def test_a_sweep_has_a_row_for_each_set():
     found = model.sweep(sets, v, 1e-3)
     assert found.shape == (7, 200) and np.array_equal(found, model.sweep(sets, v, 1e-3, jobs=1))
     third = frictionlab.Model("gms", f_c=sets["f_c"][2], f_v=sets["f_v"][2])
-    assert np.array_equal(found[2], third.force(v, 1e-3))
+    assert np.allclose(found[2], third.force(v, 1e-3), rtol=0.0, atol=1e-14)
     assert model.sweep({}, v, 1e-3).shape == (0, 200)
 
 
