@@ -8,10 +8,11 @@ use friction_ident::statistics::upper_median;
 use serde::Serialize;
 
 use super::column::Channel;
+use super::grid::Input;
 use super::joints::{self, Effort, JointChoice};
 use super::sheet::{Dialect, Found, Loaded, Missing, Sheet, load};
 use super::table::Columns;
-use super::{RecordingError, is_bag, timing};
+use super::{RecordingError, timing};
 use crate::bag::BagReader;
 
 /// Steps longer than so many usual ones are gaps.
@@ -157,15 +158,17 @@ fn slopes(time: &[f64], position: &[f64]) -> Vec<f64> {
 /// # Errors
 /// [`RecordingError`] for a file that cannot be read, a row that is not as long as the others, and
 /// a column or joint that was named and is not there.
-pub fn look(
-    path: &Path,
+pub fn look<'a>(
+    input: impl Into<Input<'a>>,
     columns: &Columns,
     joint: &JointChoice,
 ) -> Result<Overview, RecordingError> {
-    if is_bag(path) {
+    let input = input.into();
+    let path = input.path();
+    if input.is_bag() {
         return bag(path, joint);
     }
-    table(path, load(path, &columns.layout)?, columns)
+    table(path, load(input, &columns.layout)?, columns)
 }
 
 fn table<'a>(

@@ -3,9 +3,6 @@
 use std::path::Path;
 
 use identification::asked::IdentifyArgs;
-use recording::joints::JointChoice;
-use recording::overview;
-use recording::table::Measured;
 use serde_json::Value;
 use work::{BadInput, Interrupted};
 
@@ -17,7 +14,7 @@ use super::identify;
 /// # Errors
 /// As [`identify::execute`]; [`BadInput`] at the end, where a joint could not be identified.
 pub fn execute(mut args: IdentifyArgs) -> anyhow::Result<()> {
-    let joints = joints(&args)?;
+    let joints = args.joints()?;
     if let [only] = &joints[..] {
         args.joint = Some(only.clone());
     }
@@ -60,44 +57,6 @@ pub fn execute(mut args: IdentifyArgs) -> anyhow::Result<()> {
         folder.path().display()
     ))
     .into())
-}
-
-/// The joints that are meant; none where none was named.
-fn joints(args: &IdentifyArgs) -> anyhow::Result<Vec<String>> {
-    let Some(named) = &args.joint else { return Ok(Vec::new()) };
-    let (Some(file), true) = (args.files.first(), named == "all" || named.contains(',')) else {
-        return Ok(vec![named.clone()]);
-    };
-    let columns = args.table.columns(Measured::Force, None);
-    let present = overview::look(file, &columns, &JointChoice::default())?.joints;
-    // A joint may be called so.
-    if present.contains(named) {
-        return Ok(vec![named.clone()]);
-    }
-    if named == "all" {
-        if present.is_empty() {
-            let file = file.display();
-            return Err(BadInput(format!(
-                "--joint all: {file} holds no joints, as no column is called q[2] or q2; leave it out"
-            ))
-            .into());
-        }
-        return Ok(present);
-    }
-    let mut wanted: Vec<String> = Vec::new();
-    for joint in named.split(',').map(str::trim) {
-        if !present.iter().any(|other| other == joint) {
-            let (file, present) = (file.display(), present.join(", "));
-            return Err(BadInput(format!(
-                "--joint: {file} holds no joint `{joint}`; its joints are: {present}"
-            ))
-            .into());
-        }
-        if !wanted.iter().any(|other| other == joint) {
-            wanted.push(joint.to_owned());
-        }
-    }
-    Ok(wanted)
 }
 
 /// What was found of a joint, with its name.

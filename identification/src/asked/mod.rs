@@ -8,6 +8,7 @@
 
 pub mod axis;
 pub mod friction;
+mod joints;
 pub mod mending;
 
 use std::path::{Path, PathBuf};
