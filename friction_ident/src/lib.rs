@@ -39,6 +39,7 @@
 //! * [`damped_model`]: a model with its micro-damping computed from the inertia.
 //! * [`motion_band`]: up to which frequency a recorded position is motion.
 //! * [`position_load`]: what acts beside friction: an offset, a spring, gravity.
+//! * [`posterior`]: parameters drawn together, as likely as the recordings leave them.
 //! * [`uncertain`]: a number and its standard error.
 //! * [`information`]: information criteria, and which of two models predicts better.
 //! * [`synthetic`]: what the experiments show of a known friction.
@@ -79,6 +80,7 @@ pub mod output_error;
 mod parameter_id;
 mod place;
 pub mod position_load;
+pub mod posterior;
 pub mod pre_sliding;
 pub mod profile;
 pub mod quantiser;

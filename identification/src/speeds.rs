@@ -7,6 +7,15 @@ use simulator_export::annotations::speeds_line;
 /// The line of a parameter file that says which speeds were recorded \[rad/s or m/s\]; none where
 /// nothing moved.
 pub fn line(velocities: impl Iterator<Item = f64>, axis: AxisKind) -> Option<String> {
+    let axis = match axis {
+        AxisKind::Rotary => Axis::Rotary,
+        AxisKind::Linear => Axis::Linear,
+    };
+    range(velocities).map(|[low, high]| speeds_line(low, high, axis))
+}
+
+/// The lowest and the highest speed that was recorded \[rad/s or m/s\]; none where nothing moved.
+pub fn range(velocities: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let (mut low, mut high) = (f64::INFINITY, 0.0);
     for velocity in velocities.filter(|velocity| velocity.is_finite()) {
         low = f64::min(low, velocity.abs());
@@ -23,11 +32,7 @@ pub fn line(velocities: impl Iterator<Item = f64>, axis: AxisKind) -> Option<Str
     };
     // Where the recordings come to rest, noise is what is left of the speed.
     let low = if low < 1e-4 * high { 0.0 } else { outwards(low, false) };
-    let axis = match axis {
-        AxisKind::Rotary => Axis::Rotary,
-        AxisKind::Linear => Axis::Linear,
-    };
-    (high > 0.0).then(|| speeds_line(low, outwards(high, true), axis))
+    (high > 0.0).then(|| [low, outwards(high, true)])
 }
 
 #[cfg(test)]

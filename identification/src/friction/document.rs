@@ -3,6 +3,7 @@
 //! ```text
 //! format                  "frictionlab-friction-identification"; format_version, program_version
 //! axis                    "linear" or "rotary"
+//! speeds                  [lowest, highest] of the recordings [m/s or rad/s]; null where nothing moved
 //! files, validation       file, samples, points, stretches, outliers (channel, time, measured, by), pieces_left_out, timing (what was
 //!                         uneven and what was done: repeated, moved, filled, dropped, gaps, missing, pauses, rate_changes, stretches, too_short),
 //!                         added_uncertainty (rms, largest) of the friction by the drive's constants; null with a torque sensor
@@ -33,6 +34,7 @@ use serde_json::{Map, Value, json};
 
 use super::from_drive::FromDrive;
 use super::{Errors, FrictionIdentification, KINDS, ModelResult, Source, wording};
+use crate::speeds;
 
 /// The document as text.
 pub fn render(found: &FrictionIdentification) -> String {
@@ -63,6 +65,7 @@ pub fn render(found: &FrictionIdentification) -> String {
         "format_version": 1,
         "program_version": env!("CARGO_PKG_VERSION"),
         "axis": found.settings.axis,
+        "speeds": speeds::range(found.velocities()),
         "files": found.files.iter().map(source).collect::<Vec<_>>(),
         "validation": found.validation.iter().map(source).collect::<Vec<_>>(),
         "recordings": {

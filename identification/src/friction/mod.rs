@@ -196,6 +196,14 @@ impl FrictionIdentification {
         })
     }
 
+    /// The velocities of all that was fitted to [rad/s or m/s].
+    pub fn velocities(&self) -> impl Iterator<Item = f64> {
+        let data = &self.data;
+        let stretches = [&data.pre_sliding, &data.lag, &data.mixed].into_iter().flatten();
+        let moving = stretches.flat_map(|stretch| stretch.velocity.iter().copied());
+        data.points.iter().map(|point| point.velocity).chain(moving)
+    }
+
     /// Samples and points fitted to, of one kind.
     pub fn count(data: &FrictionData, kind: StretchKind) -> usize {
         match kind {

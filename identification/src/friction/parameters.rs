@@ -80,11 +80,7 @@ fn header(found: &FrictionIdentification, file: &mut Writer) {
         found.files.iter().map(|file| format!(" {}", file.path.display())).collect();
     let version = env!("CARGO_PKG_VERSION");
     file.comment(&format!("Friction models fitted by frictionlab {version} to{paths}."));
-    let data = &found.data;
-    let stretches = [&data.pre_sliding, &data.lag, &data.mixed].into_iter().flatten();
-    let moving = stretches.flat_map(|stretch| stretch.velocity.iter().copied());
-    let all = data.points.iter().map(|point| point.velocity).chain(moving);
-    if let Some(line) = speeds::line(all, found.settings.axis) {
+    if let Some(line) = speeds::line(found.velocities(), found.settings.axis) {
         file.comment(&line);
     }
     let Some(first) = found.chosen() else {

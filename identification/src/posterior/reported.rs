@@ -1,0 +1,212 @@
+//! The friction models of an `identification.json`, read back.
+
+use friction_model::{AnyModel, AnyParameters, ModelName};
+use serde::Deserialize;
+use serde_json::{Map, Value};
+use work::BadInput;
+use work::model_name::model_name;
+
+/// An identification, as far as its document tells it.
+#[derive(Debug, Clone)]
+pub struct Report {
+    /// What the document is called.
+    pub name: String,
+    /// Lowest and highest speed of the recordings \[rad/s or m/s\].
+    pub speeds: Option<[f64; 2]>,
+    /// The models, best first where they were compared.
+    pub models: Vec<Reported>,
+    chosen: Option<ModelName>,
+}
+
+/// A model of it.
+#[derive(Debug, Clone)]
+pub struct Reported {
+    /// Which.
+    pub model: ModelName,
+    /// Its parameters in the order of the document.
+    pub rows: Vec<Row>,
+    /// The correlations of the last fit: names, and the matrix.
+    pub correlation: Option<Correlation>,
+}
+
+/// A parameter.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Row {
+    /// Its name, with its place in a list and its direction, as in `sigma0[2].forward`.
+    #[serde(skip)]
+    pub name: String,
+    /// The estimate.
+    pub value: f64,
+    /// \[its unit\]
+    pub unit: String,
+    /// None where it was not estimated.
+    pub standard_error: Option<f64>,
+    /// Ends of the 95 % interval; one that is open is none.
+    pub interval_95: Option<[Option<f64>; 2]>,
+    /// Whether the recordings tell it.
+    pub identified: bool,
+}
+
+impl Row {
+    /// Both ends of the 95 % interval, where both are there and the value lies between them.
+    #[must_use]
+    pub fn interval(&self) -> Option<[f64; 2]> {
+        let [low, high] = self.interval_95?;
+        let ends = [low?, high?];
+        (ends[0] <= self.value && self.value <= ends[1]).then_some(ends)
+    }
+}
+
+/// Correlations of parameters.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Correlation {
+    /// Which.
+    pub names: Vec<String>,
+    /// Between -1 and 1; null where one was not determined.
+    pub matrix: Vec<Vec<Option<f64>>>,
+}
+
+#[derive(Deserialize)]
+struct Document {
+    format: String,
+    #[serde(default)]
+    speeds: Option<[f64; 2]>,
+    #[serde(default)]
+    models: Map<String, Value>,
+    ranking: Option<Ranking>,
+}
+
+#[derive(Deserialize)]
+struct Ranking {
+    chosen: Option<ModelName>,
+}
+
+#[derive(Deserialize)]
+struct Model {
+    parameters: Map<String, Value>,
+    correlation: Option<Correlation>,
+}
+
+impl Report {
+    /// Reads a document, which is called `name`.
+    ///
+    /// # Errors
+    /// [`BadInput`] for what is no identification of friction models.
+    pub fn read(name: &str, text: &str) -> Result<Self, BadInput> {
+        let wrong = |why: &dyn std::fmt::Display| BadInput(format!("{name}: {why}"));
+        let document: Document = serde_json::from_str(text).map_err(|error| {
+            wrong(&format!("expected the identification.json of `identify`: {error}"))
+        })?;
+        if document.format != "frictionlab-friction-identification" {
+            let of = &document.format;
+            return Err(wrong(&format!(
+                "expected an identification of friction models, but its format is `{of}`; `frictionlab identify --model NAME` makes one"
+            )));
+        }
+        let models = document.models.into_iter().map(|(model, tree)| {
+            let model = model_name(&model).map_err(|error| wrong(&error))?;
+            let read: Model = serde_json::from_value(tree).map_err(|error| wrong(&error))?;
+            let rows = read.parameters.into_iter().map(|(name, row)| {
+                let row: Row = serde_json::from_value(row).map_err(|error| wrong(&error))?;
+                Ok(Row { name, ..row })
+            });
+            let rows: Vec<Row> = rows.collect::<Result<_, BadInput>>()?;
+            Ok(Reported { model, rows, correlation: read.correlation })
+        });
+        Ok(Self {
+            name: name.to_owned(),
+            speeds: document.speeds,
+            models: models.collect::<Result<_, BadInput>>()?,
+            chosen: document.ranking.and_then(|ranking| ranking.chosen),
+        })
+    }
+
+    /// The model of that name; where none is named, the one to use, and where none is, the first.
+    ///
+    /// # Errors
+    /// [`BadInput`] where there is none.
+    pub fn model(&self, name: Option<ModelName>) -> Result<&Reported, BadInput> {
+        let wanted = name.or(self.chosen);
+        let found = match wanted {
+            Some(name) => self.models.iter().find(|reported| reported.model == name),
+            None => self.models.first(),
+        };
+        found.ok_or_else(|| {
+            let known: Vec<_> = self.models.iter().map(|of| of.model.as_str()).collect();
+            let wanted = wanted.map_or("no model", ModelName::as_str);
+            BadInput(format!(
+                "{}: `{wanted}` was not identified; there is {}",
+                self.name,
+                known.join(", ")
+            ))
+        })
+    }
+}
+
+impl Reported {
+    /// The row of that name.
+    #[must_use]
+    pub fn row(&self, name: &str) -> Option<&Row> {
+        self.rows.iter().find(|row| row.name == name)
+    }
+
+    /// The model with these values in the order of the rows; what the document does not tell is that
+    /// of the test bed. Shares of elements are made to sum to one.
+    ///
+    /// # Errors
+    /// Why the model does not take them.
+    pub fn with(&self, values: &[f64]) -> Result<AnyModel, String> {
+        let two = self.rows.iter().any(|row| row.name.ends_with(".forward"));
+        let sides: &[&str] = if two { &["forward", "backward"] } else { &[""] };
+        let name = self.model.as_str();
+        let mut trees = Map::new();
+        for side in sides {
+            let preset = serde_json::to_value(AnyParameters::test_bed(self.model));
+            let preset = preset.map_err(|error| error.to_string())?;
+            let Some(Value::Object(mut tree)) = preset.get(name).cloned() else {
+                return Err(format!("{name} has no parameters"));
+            };
+            self.fill(&mut tree, side, values);
+            trees.insert((*side).to_owned(), Value::Object(tree));
+        }
+        let tree = match trees.remove("") {
+            Some(tree) => serde_json::json!({ name: tree }),
+            None => serde_json::json!({ "asymmetric": { name: trees } }),
+        };
+        serde_json::from_value(tree).map_err(|error| error.to_string())
+    }
+
+    /// Puts the values of one direction into the parameters of a model.
+    fn fill(&self, tree: &mut Map<String, Value>, side: &str, values: &[f64]) {
+        let mut begun: Vec<&str> = Vec::new();
+        for (row, value) in self.rows.iter().zip(values) {
+            let (full, of) = row.name.split_once('.').unwrap_or((&row.name, side));
+            let (plain, place) =
+                full.split_once('[').map_or((full, false), |(name, _)| (name, true));
+            let known = tree.contains_key(plain)
+                || AnyParameters::test_bed(self.model).table().iter().any(|row| row.name == plain);
+            if of != side || !known {
+                continue;
+            }
+            if !place {
+                tree.insert(plain.to_owned(), (*value).into());
+                continue;
+            }
+            let list = tree.entry(plain).or_insert_with(|| Value::Array(Vec::new()));
+            if let Value::Array(list) = list {
+                if !begun.contains(&plain) {
+                    begun.push(plain);
+                    list.clear();
+                }
+                list.push((*value).into());
+            }
+        }
+        for shares in ["alpha", "lambda"] {
+            let Some(Value::Array(list)) = tree.get_mut(shares) else { continue };
+            let sum: f64 = list.iter().filter_map(Value::as_f64).sum();
+            for share in list.iter_mut() {
+                *share = (share.as_f64().unwrap_or(f64::NAN) / sum).into();
+            }
+        }
+    }
+}
