@@ -5,9 +5,9 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use frictionlab::cli::help::prepared;
 use frictionlab::cli::{
-    bag, commission, completions, design, exit_code, export, features, identify_drive,
+    bag, commission, compare, completions, design, exit_code, export, features, identify_drive,
     identify_joints, identify_servo, identify_stiction, look, manual, models, monte_carlo,
-    protocols, rig, run, simulate, told, truth_matrix,
+    protocols, rig, run, samples, simulate, told, truth_matrix,
 };
 use machine_rig::MachineFactory;
 use rig_driver::RigRegistry;
@@ -36,6 +36,7 @@ enum Command {
     IdentifyStiction(Box<identify_stiction::IdentifyStictionArgs>),
     Bag(bag::BagArgs),
     Commission(Box<commission::CommissionArgs>),
+    Compare(compare::CompareArgs),
     Completions(completions::CompletionsArgs),
     Design(studies::design::asked::DesignArgs),
     Export(Box<export::ExportArgs>),
@@ -45,6 +46,7 @@ enum Command {
     MonteCarlo(monte_carlo::MonteCarloArgs),
     Protocols(protocols::ProtocolsArgs),
     Rig(Box<rig::RigArgs>),
+    Samples(samples::SamplesArgs),
     Simulate(simulate::SimulateArgs),
     TruthMatrix(truth_matrix::TruthMatrixArgs),
     #[cfg(feature = "ros")]
@@ -88,6 +90,7 @@ fn main() -> ExitCode {
         Command::IdentifyStiction(args) => identify_stiction::execute(&args),
         Command::Bag(args) => bag::execute(&args),
         Command::Commission(args) => commission::execute(&args),
+        Command::Compare(args) => compare::execute(&args),
         Command::Completions(args) => completions::execute(&args, &mut command),
         Command::Design(args) => design::execute(&args),
         Command::Export(args) => export::execute(&args),
@@ -97,6 +100,7 @@ fn main() -> ExitCode {
         Command::MonteCarlo(args) => monte_carlo::execute(&args),
         Command::Protocols(args) => protocols::execute(&args),
         Command::Rig(args) => rig::execute(&args),
+        Command::Samples(args) => samples::execute(&args),
         Command::Simulate(args) => simulate::execute(&args),
         Command::TruthMatrix(args) => truth_matrix::execute(&args),
         #[cfg(feature = "ros")]

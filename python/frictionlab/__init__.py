@@ -6,15 +6,17 @@
 """
 
 from ._native import Contact, __version__
+from .comparison import Comparison, compare
 from .errors import BadInput, Failure, FrictionlabError
 from .export import Exported
-from .identification import Estimate, Fit, Identification, identify
+from .identification import Estimate, Fit, Identification, Joints, identify, identify_joints
 from .models import Model, ModelInfo, Parameter, models
 from .simulation import Simulation, simulate
 from .studies import Design, Features, design, features
 
 __all__ = [
     "BadInput",
+    "Comparison",
     "Contact",
     "Design",
     "Estimate",
@@ -24,14 +26,17 @@ __all__ = [
     "Fit",
     "FrictionlabError",
     "Identification",
+    "Joints",
     "Model",
     "ModelInfo",
     "Parameter",
     "Simulation",
     "__version__",
+    "compare",
     "design",
     "features",
     "identify",
+    "identify_joints",
     "models",
     "simulate",
 ]

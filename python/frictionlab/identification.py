@@ -10,6 +10,8 @@ from functools import cached_property
 from html import escape
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from . import _native
 from ._given import Data, Floats, inputs, options
 from .errors import BadInput
@@ -153,6 +155,37 @@ class Identification:
         """
         return exported(self.to_yaml(), "parameters.yaml", target, version, keywords)
 
+    def samples(self, count: int, seed: int = 1, model: str | None = None) -> pd.DataFrame:
+        """Sets of parameters drawn together, as likely as the recordings leave them: a row a sample.
+
+        They have the correlations of the fit, and 95 % of each parameter lie within its interval. What was not
+        estimated is held; `.attrs["notes"]` says what, and `.attrs["units"]` the units.
+        """
+        import pandas as pd
+
+        names, units, rows, notes = _native.samples(self._found.json(), model, _count(count), _seed(seed))
+        frame = pd.DataFrame(rows, columns=names)
+        frame.attrs.update(units=dict(zip(names, units, strict=True)), notes=notes)
+        return frame
+
+    def covariance(self, model: str | None = None) -> pd.DataFrame:
+        """The covariance of the parameters that the last fit estimated together."""
+        import pandas as pd
+
+        fit = self.models[model] if model else self.best
+        tree = self.document.get("models", {}).get(fit.name, {}).get("correlation")
+        if tree is None:
+            raise BadInput("this identification holds no correlations; friction models fitted to recordings have them")
+        errors = np.array([_error_of(fit, name) for name in tree["names"]])
+        matrix = np.array(tree["matrix"], dtype=np.float64) * np.outer(errors, errors)
+        return pd.DataFrame(matrix, index=tree["names"], columns=tree["names"])
+
+    def randomisation(
+        self, target: str, count: int = 1000, seed: int = 1, *, joint: str = "joint", model: str | None = None
+    ) -> str:
+        """Samples as a file for a simulator: ``"mjlab"`` and ``"isaac_lab"`` are event terms, ``"csv"`` a table."""
+        return _native.randomisation(self._found.json(), model, _count(count), _seed(seed), target, joint)
+
     def plot(self) -> Figure:
         """The friction curves on the steady points, or the axis's force as measured and as fitted."""
         from ._pictures import identification
@@ -175,6 +208,24 @@ class Identification:
     def _repr_html_(self) -> str:
         said = "".join(f"<p><b>{escape(text)}</b></p>" for text in self.warnings)
         return said + str(self.to_pandas().to_html())
+
+
+def _error_of(fit: Fit, name: str) -> float:
+    """The standard error of a parameter; not a number where it has none."""
+    error = fit.parameters[name].standard_error if name in fit.parameters else None
+    return np.nan if error is None else error
+
+
+def _count(count: int) -> int:
+    if not 1 <= count <= 1_000_000:
+        raise BadInput(f"the number of samples must be from 1 to 1000000, but is {count}")
+    return int(count)
+
+
+def _seed(seed: int) -> int:
+    if not 0 <= seed < 2**64:
+        raise BadInput(f"a seed must be a whole number from 0 to 2^64 - 1, but is {seed}")
+    return int(seed)
 
 
 def _interval(ends: Any) -> tuple[float, float] | None:
@@ -232,11 +283,77 @@ def identify(
     >>> round(found["coulomb_viscous"]["f_c"].value, 6)
     0.1
     """
-    for held in ("out", "force", "quiet", "json", "verbose", "thesis_tables"):
-        if held in keywords:
-            raise BadInput(f"{held} is an option of the command alone; .save(folder) writes the files")
-    names, tables = inputs(data, "data")
-    others, more = inputs(validate, "validate")
-    line = options(keywords | {"model": model})
-    line += [f"--validate={name}" for name in others]
-    return Identification(_native.identify(line, names, tables + more))
+    asked = _Asked(data, validate, keywords | {"model": model})
+    joint = keywords.get("joint")
+    if joint is not None and len(several := asked.joints(joint)) > 1:
+        raise BadInput(f"{', '.join(several)} are several joints; use identify_joints, which gives a result for each")
+    return asked.identify(joint)
+
+
+class Joints(dict[str, Identification]):
+    """What was found of each joint by its name, and of those of which nothing was: why."""
+
+    def __init__(self, found: Mapping[str, Identification], failed: Mapping[str, str]) -> None:
+        super().__init__(found)
+        self.failed = dict(failed)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A row a parameter of each model of each joint."""
+        import pandas as pd
+
+        return pd.concat({name: found.to_pandas() for name, found in self.items()}, names=["joint"])
+
+
+def identify_joints(
+    data: Data | Iterable[Data],
+    joint: str | Iterable[str] = "all",
+    *,
+    model: str | Iterable[str] | None = None,
+    validate: Data | Iterable[Data] = (),
+    **keywords: Any,
+) -> Joints:
+    """Identify several joints of a bag or of a table's columns, each by itself: results by joint name.
+
+    `joint` is ``"all"``, or names of joints; the rest is as in `identify`. A joint that cannot be identified
+    stands in `.failed` with the reason, and the others go on; where none can, the first reason is raised.
+
+    >>> import numpy as np
+    >>> v = np.linspace(0.05, 3.0, 40)
+    >>> velocity, torque = np.r_[-v, v], np.r_[-0.1 - 0.04 * v, 0.1 + 0.04 * v]
+    >>> points = {"velocity_rad_s": np.c_[velocity, velocity], "torque_Nm": np.c_[torque, 2 * torque]}
+    >>> found = identify_joints(points, model="coulomb_viscous")
+    >>> [round(one["coulomb_viscous"]["f_c"].value, 6) for one in found.values()]
+    [0.1, 0.2]
+    """
+    asked = _Asked(data, validate, keywords | {"model": model})
+    found, failed = {}, {}
+    first: BadInput | None = None
+    for name in asked.joints(joint):
+        try:
+            found[name] = asked.identify(name)
+        except BadInput as error:
+            failed[name] = str(error)
+            first = first or error
+    if first is not None and not found:
+        raise first
+    return Joints(found, failed)
+
+
+class _Asked:
+    """What is asked of an identification, ready for the extension module."""
+
+    def __init__(self, data: Data | Iterable[Data], validate: Data | Iterable[Data], keywords: Mapping[str, Any]) -> None:
+        for held in ("out", "force", "quiet", "json", "verbose", "thesis_tables"):
+            if held in keywords:
+                raise BadInput(f"{held} is an option of the command alone; .save(folder) writes the files")
+        self._names, tables = inputs(data, "data")
+        others, more = inputs(validate, "validate")
+        self._tables = tables + more
+        self._options = options({name: value for name, value in keywords.items() if name != "joint"})
+        self._options += [f"--validate={name}" for name in others]
+
+    def joints(self, joint: str | Iterable[str]) -> list[str]:
+        return _native.joints(self._options + options({"joint": joint}), self._names, self._tables)
+
+    def identify(self, joint: str | None) -> Identification:
+        return Identification(_native.identify(self._options + options({"joint": joint}), self._names, self._tables))

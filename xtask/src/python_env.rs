@@ -26,9 +26,16 @@ const BAG_TOOLS: &[&str] = &[
     "PyYAML>=6,<7",
 ];
 
-/// What checks the types of our Python and runs its notebook, and what builds its wheel.
-const PYTHON_TOOLS: &[&str] =
-    &["mypy>=1.11,<3", "pandas-stubs", "nbclient>=0.10,<1", "ipykernel>=6,<8", "maturin>=1.9,<2"];
+/// What checks the types of our Python and runs its notebook, what builds its wheel, and the sampler
+/// that samples are held against.
+const PYTHON_TOOLS: &[&str] = &[
+    "mypy>=1.11,<3",
+    "pandas-stubs",
+    "nbclient>=0.10,<1",
+    "ipykernel>=6,<8",
+    "maturin>=1.9,<2",
+    "emcee>=3.1,<4",
+];
 
 /// The tool that builds ROS workspaces, as a ROS installation has it, and its extensions for cargo,
 /// which some workspaces have.

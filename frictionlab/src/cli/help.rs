@@ -8,7 +8,18 @@ use clap::{Arg, Command};
 /// The commands by what a person wants to do.
 const GROUPS: [(&str, &[&str]); 8] = [
     ("Measure", &["run", "protocols"]),
-    ("Identify", &["look", "identify", "identify-drive", "identify-servo", "identify-stiction"]),
+    (
+        "Identify",
+        &[
+            "look",
+            "identify",
+            "identify-drive",
+            "identify-servo",
+            "identify-stiction",
+            "compare",
+            "samples",
+        ],
+    ),
     ("Compensate", &["commission", "design", "monte-carlo"]),
     ("Live on ROS 2", &["live", "launch", "node", "serve", "security"]),
     ("Rig", &["rig", "doctor"]),

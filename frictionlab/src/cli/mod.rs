@@ -9,6 +9,7 @@ mod commission_planned;
 mod commission_protocols;
 mod commission_trial;
 mod commission_words;
+pub mod compare;
 pub mod completions;
 pub mod design;
 #[cfg(feature = "ros")]
@@ -37,6 +38,7 @@ pub mod protocols;
 mod resume;
 pub mod rig;
 pub mod run;
+pub mod samples;
 #[cfg(feature = "ros")]
 pub mod security;
 #[cfg(feature = "ros")]

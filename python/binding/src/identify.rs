@@ -7,6 +7,7 @@ use identification::asked::{IdentifyArgs, axis, check};
 use identification::friction::{self, FrictionIdentification};
 use numpy::PyArray1;
 use pyo3::prelude::*;
+use recording::grid::Arrays;
 use work::destination::ToFolder;
 use work::{BadInput, line};
 
@@ -18,16 +19,13 @@ use crate::models::Model;
 #[pyfunction]
 pub fn identify(
     py: Python<'_>,
-    mut options: Vec<String>,
+    options: Vec<String>,
     files: Vec<String>,
     tables: Vec<Table<'_>>,
 ) -> PyResult<Found> {
     let arrays: anyhow::Result<Vec<_>> = tables.iter().map(table).collect();
     call(py, move |cancel| {
-        options.extend(["--quiet".to_owned(), "--".to_owned()]);
-        options.extend(files);
-        let mut args: IdentifyArgs = line::parse(&options)?;
-        args.arrays = arrays?;
+        let args = parsed(options, files, arrays?)?;
         check(&args)?;
         let progress = silent();
         let found = if args.is_friction() {
@@ -42,6 +40,30 @@ pub fn identify(
         };
         Ok(Found { found, contents: OnceLock::new() })
     })
+}
+
+/// The joints that `--joint` among these options means: all of them, or those of a list.
+#[pyfunction]
+pub fn joints(
+    py: Python<'_>,
+    options: Vec<String>,
+    files: Vec<String>,
+    tables: Vec<Table<'_>>,
+) -> PyResult<Vec<String>> {
+    let arrays: anyhow::Result<Vec<_>> = tables.iter().map(table).collect();
+    call(py, move |_| parsed(options, files, arrays?)?.joints())
+}
+
+fn parsed(
+    mut options: Vec<String>,
+    files: Vec<String>,
+    arrays: Vec<Arrays>,
+) -> anyhow::Result<IdentifyArgs> {
+    options.extend(["--quiet".to_owned(), "--".to_owned()]);
+    options.extend(files);
+    let mut args: IdentifyArgs = line::parse(&options)?;
+    args.arrays = arrays;
+    Ok(args)
 }
 
 /// What was identified.

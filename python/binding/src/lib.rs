@@ -15,6 +15,7 @@ mod export;
 mod features;
 mod identify;
 mod models;
+mod posterior;
 mod simulate;
 
 use pyo3::prelude::*;
@@ -32,9 +33,11 @@ mod native {
     #[pymodule_export]
     use crate::features::features;
     #[pymodule_export]
-    use crate::identify::{Found, identify};
+    use crate::identify::{Found, identify, joints};
     #[pymodule_export]
     use crate::models::{Contact, Model, catalogue};
+    #[pymodule_export]
+    use crate::posterior::{compare, randomisation, samples};
     #[pymodule_export]
     use crate::simulate::simulate;
 

@@ -332,3 +332,75 @@ def test_an_export_that_cannot_be_is_refused_in_a_sentence():
     ):
         with pytest.raises(BadInput, match=said):
             found.export(target, **options)
+
+
+def test_several_joints_give_a_result_each():
+    v = np.r_[-np.linspace(0.05, 3.0, 30), np.linspace(0.05, 3.0, 30)]
+    torque = np.sign(v) * 0.1 + 0.04 * v
+    given = {"velocity_rad_s": np.c_[v, v, v], "torque_Nm": np.c_[torque, 2.0 * torque, np.full_like(v, np.nan)]}
+    found = frictionlab.identify_joints(given, model="coulomb_viscous")
+    names = list(found)
+    assert len(names) == 2 and len(found.failed) == 1, (names, found.failed)
+    assert [round(one["coulomb_viscous"]["f_c"].value, 6) for one in found.values()] == [0.1, 0.2]
+    assert found.to_pandas().index.names == ["joint", "model", "parameter"]
+    # The same as alone, and one of a list.
+    alone = frictionlab.identify(given, model="coulomb_viscous", joint=names[1])
+    assert alone.document == found[names[1]].document
+    assert list(frictionlab.identify_joints(given, [names[1]], model="coulomb_viscous")) == [names[1]]
+    with pytest.raises(frictionlab.BadInput, match="identify_joints"):
+        frictionlab.identify(given, model="coulomb_viscous", joint="all")
+    with pytest.raises(frictionlab.BadInput, match="its joints are"):
+        frictionlab.identify_joints(given, "elbow,wrist", model="coulomb_viscous")
+
+
+def _stribeck(seed, f_v=0.04):
+    random = np.random.default_rng(seed)
+    v = np.r_[-np.geomspace(0.01, 3.0, 60), np.geomspace(0.01, 3.0, 60)]
+    torque = np.sign(v) * (0.1 + 0.05 * np.exp(-((v / 0.2) ** 2))) + f_v * v
+    points = {"velocity_rad_s": v, "torque_Nm": torque + 0.001 * random.standard_normal(v.size)}
+    return frictionlab.identify(points, model="stribeck")
+
+
+def test_samples_have_the_covariance_of_the_fit():
+    found = _stribeck(1)
+    drawn = found.samples(20_000, seed=4)
+    assert drawn.equals(found.samples(20_000, seed=4)) and not drawn.equals(found.samples(20_000, seed=5))
+    covariance = found.covariance()
+    names = list(covariance.columns)
+    errors = np.sqrt(np.diag(covariance))
+    assert np.allclose(errors, [found["stribeck"][name].standard_error for name in names])
+    correlation = covariance.to_numpy() / np.outer(errors, errors)
+    assert np.allclose(np.corrcoef(drawn[names].to_numpy().T), correlation, atol=0.06)
+    for name in names:
+        low, high = found["stribeck"][name].interval_95
+        assert abs(np.mean((drawn[name] > low) & (drawn[name] < high)) - 0.95) < 0.01
+        assert abs(np.median(drawn[name]) / found["stribeck"][name].value - 1.0) < 0.01
+    assert drawn.attrs["units"]["f_v"]
+    with pytest.raises(frictionlab.BadInput, match="number of samples"):
+        found.samples(0)
+    with pytest.raises(frictionlab.BadInput, match="expected csv, mjlab or isaac_lab"):
+        found.randomisation("gazebo")
+
+
+@pytest.mark.parametrize("target", ["mjlab", "isaac_lab"])
+def test_event_terms_are_python_with_a_table_of_sets(target):
+    text = _stribeck(1).randomisation(target, 50, joint="elbow")
+    compile(text, target, "exec")
+    table = text[text.index("ELBOW_FRICTION = (") : text.index("\n)\n") + 3]
+    scope = {}
+    exec(table, scope)
+    rows = np.array(scope["ELBOW_FRICTION"])
+    assert rows.shape == (50, 2 if target == "mjlab" else 3) and (rows > 0.0).all()
+
+
+def test_two_identifications_are_compared(tmp_path):
+    one, same, other = _stribeck(1), _stribeck(2), _stribeck(3, f_v=0.044)
+    assert not frictionlab.compare(one, same)
+    found = frictionlab.compare(one, other)
+    assert found.differ and found.answer.startswith("They differ") and found.answer in str(found)
+    assert bool(found.parameters.loc["f_v", "differs"]) and found.torque["differs"].any()
+    folder = tmp_path / "saved"
+    one.save(folder)
+    assert frictionlab.compare(folder, other).document["parameters"] == found.document["parameters"]
+    with pytest.raises(frictionlab.BadInput, match="nowhere"):
+        frictionlab.compare(tmp_path / "nowhere", one)
