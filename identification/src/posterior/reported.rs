@@ -2,7 +2,7 @@
 
 use friction_model::{AnyModel, AnyParameters, ModelName};
 use serde::Deserialize;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use work::BadInput;
 use work::model_name::model_name;
 
@@ -35,7 +35,8 @@ pub struct Row {
     /// Its name, with its place in a list and its direction, as in `sigma0[2].forward`.
     #[serde(skip)]
     pub name: String,
-    /// The estimate.
+    /// The estimate; not a number where there is none.
+    #[serde(deserialize_with = "number_or_none")]
     pub value: f64,
     /// \[its unit\]
     pub unit: String,
@@ -55,6 +56,11 @@ impl Row {
         let ends = [low?, high?];
         (ends[0] <= self.value && self.value <= ends[1]).then_some(ends)
     }
+}
+
+/// A number; null is none.
+fn number_or_none<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::<f64>::deserialize(from)?.unwrap_or(f64::NAN))
 }
 
 /// Correlations of parameters.
@@ -170,8 +176,8 @@ impl Reported {
             trees.insert((*side).to_owned(), Value::Object(tree));
         }
         let tree = match trees.remove("") {
-            Some(tree) => serde_json::json!({ name: tree }),
-            None => serde_json::json!({ "asymmetric": { name: trees } }),
+            Some(tree) => json!({ name: tree }),
+            None => json!({ "asymmetric": { name: trees } }),
         };
         serde_json::from_value(tree).map_err(|error| error.to_string())
     }
@@ -189,7 +195,10 @@ impl Reported {
                 continue;
             }
             if !place {
-                tree.insert(plain.to_owned(), (*value).into());
+                // Counts are whole numbers.
+                let counts = tree.get(plain).is_some_and(Value::is_u64);
+                let number = if counts { json!(value.round() as u64) } else { json!(value) };
+                tree.insert(plain.to_owned(), number);
                 continue;
             }
             let list = tree.entry(plain).or_insert_with(|| Value::Array(Vec::new()));

@@ -33,6 +33,9 @@ pub fn samples(of: &Reported, count: usize, seed: u64) -> Result<Samples, BadInp
     if !of.rows.iter().any(estimated) {
         return Err(BadInput(format!("no parameter of {} was estimated with an error", of.model)));
     }
+    if let Some(row) = of.rows.iter().find(|row| !row.value.is_finite()) {
+        return Err(BadInput(format!("{} of {} has no value", row.name, of.model)));
+    }
     let marginals: Vec<Marginal> = of
         .rows
         .iter()

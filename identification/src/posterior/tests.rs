@@ -148,6 +148,11 @@ fn what_cannot_be_used_is_named() {
     let none = report.model(Some(ModelName::Dahl)).unwrap_err().to_string();
     assert!(none.contains("`dahl` was not identified; there is stribeck"), "{none}");
     let mut tree: Value = serde_json::from_str(&document(TRUTH)).unwrap();
+    let mut without = tree.clone();
+    without["models"]["stribeck"]["parameters"]["f_v"]["value"] = Value::Null;
+    let without = Report::read("c.json", &without.to_string()).unwrap();
+    let error = samples(without.model(None).unwrap(), 5, 1).unwrap_err().to_string();
+    assert!(error.contains("f_v of stribeck has no value"), "{error}");
     tree["speeds"] = Value::Null;
     let silent = Report::read("b.json", &tree.to_string()).unwrap();
     let error = compare([&report, &silent], None, None, 1).unwrap_err().to_string();
