@@ -1,6 +1,6 @@
 //! The `frictionlab` command, one file a subcommand ([`cli`]), and what only the command does:
 //! it looks at the machine ([`doctor`]), starts nodes ([`launch`]), runs the loop on ROS 2
-//! ([`live`]) and checks keys ([`security`]).
+//! ([`live`]), shows it in a browser ([`viewing`]) and checks keys ([`security`]).
 
 pub mod cli;
 #[cfg(feature = "ros")]
@@ -12,3 +12,4 @@ pub mod launch;
 pub mod live;
 #[cfg(feature = "ros")]
 pub mod security;
+pub mod viewing;

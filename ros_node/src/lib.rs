@@ -56,6 +56,7 @@ mod gate;
 mod graph;
 mod hearing;
 pub mod hostile;
+mod inside;
 // The published middleware does not tell who lags.
 #[cfg_attr(not(feature = "mended"), allow(dead_code, unused_imports, unused_variables))]
 mod lagging;
@@ -101,6 +102,7 @@ pub use error::RosNodeError;
 pub use executable::run;
 pub use gate::{Gate, GateReport, Passes, TwoWriters};
 pub use graph::{Graph, ParticipantId, SeenNode};
+pub use inside::{Inside, Listener};
 pub use lagging::SUBSCRIBERS_THAT_LAG;
 pub use limits::quoted;
 pub use log_level::LogLevel;
@@ -111,6 +113,6 @@ pub use node::{RosNode, Sent};
 pub use participant::Participant;
 pub use publisher::Publisher;
 pub use remap::Named;
-pub use remote_parameters::RemoteParameters;
+pub use remote_parameters::{Described, RemoteParameters};
 pub use signals::{ENDS_WITHIN, ENDS_WITHIN_WRITING, FORCED, Stop, ends_within, signal_exit_code};
 pub use twins::Twin;

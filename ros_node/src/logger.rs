@@ -13,6 +13,7 @@ use ros2_client::{
 
 use crate::{
     LogLevel, NodeClock,
+    inside::{Ears, Inside},
     outbox::{Out, Outbox},
     repeated::Repeated,
     terminal,
@@ -40,6 +41,7 @@ struct Inner {
     clock: NodeClock,
     rosout: Arc<Rosout>,
     repeated: Mutex<Repeated>,
+    ears: Ears,
 }
 
 /// `None` once the node has left, or where `/rosout` is switched off.
@@ -122,9 +124,11 @@ impl Logger {
         terminal: bool,
         clock: NodeClock,
         rosout: Option<Publisher<Log>>,
+        ears: Ears,
     ) -> Self {
         let rosout = Arc::new(Mutex::new(rosout));
-        Self(Arc::new(Inner { name, level, terminal, clock, rosout, repeated: Mutex::default() }))
+        let repeated = Mutex::default();
+        Self(Arc::new(Inner { name, level, terminal, clock, rosout, repeated, ears }))
     }
 
     /// Whether both are of one node.
@@ -140,7 +144,7 @@ impl Logger {
 
     /// Writes a line of that level.
     pub fn log(&self, level: LogLevel, text: &str) {
-        let Inner { name, clock, rosout, .. } = &*self.0;
+        let Inner { name, clock, rosout, ears, .. } = &*self.0;
         if level < self.0.level {
             return;
         }
@@ -153,6 +157,7 @@ impl Logger {
                 now % 1_000_000_000
             ));
         }
+        ears.hear(Inside::Line { node: name, level, stamp_ns: now, text: &text });
         network().put(Line {
             rosout: Arc::clone(rosout),
             stamp_ns: now,

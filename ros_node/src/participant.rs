@@ -11,6 +11,7 @@ use crate::{
     Arguments, Discovery, Graph, RosNode, RosNodeError,
     apart::Apart,
     hearing::Hearers,
+    inside::{Ears, Listener},
     lagging::Lagging,
     middleware::{self, Leave},
     scope::Scope,
@@ -112,6 +113,7 @@ impl Participant {
             lagging,
             graph,
             graph_is_watched: AtomicBool::new(false),
+            ears: Ears::default(),
             last_phases,
             protection,
             others,
@@ -130,6 +132,12 @@ impl Participant {
     /// refuses.
     pub fn node(&self, name: &str) -> Result<RosNode, RosNodeError> {
         RosNode::start(Arc::clone(&self.shared), name)
+    }
+
+    /// Has a listener hear what the nodes of this process publish and log, without the network.
+    /// There is one listener; false if there was one before.
+    pub fn listen_inside(&self, listener: Listener) -> bool {
+        self.shared.ears.listen(listener)
     }
 
     /// The enclave as which it is secured; `None` in the clear.

@@ -5,8 +5,9 @@ use std::{collections::BTreeMap, time::Duration};
 use ros2_client::{
     parameters::raw,
     rcl_interfaces::{
-        GetParametersRequest, GetParametersResponse, SetParametersAtomicallyResponse,
-        SetParametersRequest,
+        DescribeParametersRequest, DescribeParametersResponse, GetParametersRequest,
+        GetParametersResponse, ListParametersRequest, ListParametersResponse,
+        SetParametersAtomicallyResponse, SetParametersRequest,
     },
 };
 
@@ -20,6 +21,23 @@ pub struct RemoteParameters {
     node: String,
     get: ServiceClient<GetParametersRequest, GetParametersResponse>,
     set: ServiceClient<SetParametersRequest, SetParametersAtomicallyResponse>,
+    list: ServiceClient<ListParametersRequest, ListParametersResponse>,
+    describe: ServiceClient<DescribeParametersRequest, DescribeParametersResponse>,
+}
+
+/// What a node says of one of its parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Described {
+    /// Its name.
+    pub name: String,
+    /// What it is, with its unit in brackets at the end.
+    pub description: String,
+    /// What else it must be, in words.
+    pub constraints: String,
+    /// It cannot be changed while the node runs.
+    pub read_only: bool,
+    /// Lowest and highest value, where there are such.
+    pub range: Option<(f64, f64)>,
 }
 
 impl RemoteParameters {
@@ -37,7 +55,25 @@ impl RemoteParameters {
                 package,
                 "SetParametersAtomically",
             )?,
+            list: this.raw_client(&format!("{name}/list_parameters"), package, "ListParameters")?,
+            describe: this.raw_client(
+                &format!("{name}/describe_parameters"),
+                package,
+                "DescribeParameters",
+            )?,
         })
+    }
+
+    /// What the node says of each of its parameters.
+    ///
+    /// # Errors
+    /// [`RosNodeError::NoAnswer`].
+    pub fn describe(&self, patience: Duration) -> Result<Vec<Described>, RosNodeError> {
+        let all = ListParametersRequest { prefixes: Vec::new(), depth: 0 };
+        let names = self.list.call_until_answered(&all, patience)?.result.names;
+        let request = DescribeParametersRequest { names };
+        let answer = self.describe.call_until_answered(&request, patience)?;
+        Ok(answer.values.into_iter().map(described).collect())
     }
 
     /// Values of those of `names` that the node has.
@@ -80,5 +116,18 @@ impl RemoteParameters {
                 reason: answer.result.reason,
             })
         }
+    }
+}
+
+fn described(one: raw::ParameterDescriptor) -> Described {
+    let double = one.floating_point_range.first().map(|range| (range.from_value, range.to_value));
+    let integer = one.integer_range.first();
+    let integer = integer.map(|range| (range.from_value as f64, range.to_value as f64));
+    Described {
+        name: one.name,
+        description: one.description,
+        constraints: one.additional_constraints,
+        read_only: one.read_only,
+        range: double.or(integer),
     }
 }

@@ -11,6 +11,7 @@ use tokio::runtime::Runtime;
 
 use crate::apart::Apart;
 use crate::hearing::Hearers;
+use crate::inside::Ears;
 use crate::lagging::Lagging;
 use crate::middleware::Leave;
 use crate::security::{Others, Protection};
@@ -34,6 +35,8 @@ pub(crate) struct Shared {
     /// Who else is there; it is filled once somebody wants to know.
     pub(crate) graph: Graph,
     pub(crate) graph_is_watched: AtomicBool,
+    /// Who listens to the nodes of this process.
+    pub(crate) ears: Ears,
     /// Of the life before; empty in the first.
     pub(crate) last_phases: Arc<LastPhases>,
     pub(crate) protection: Protection,

@@ -15,6 +15,7 @@ pub mod network;
 pub mod python;
 pub mod readers;
 pub mod simulators;
+pub mod tab;
 pub mod wire;
 
 pub use needs::needs;

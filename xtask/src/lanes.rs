@@ -14,7 +14,7 @@ use serde_json::Value;
 use crate::tally::Tally;
 
 /// Test programs that drive a device in real time, speak DDS or time what others do.
-const IN_REAL_TIME: [&str; 32] = [
+const IN_REAL_TIME: [&str; 34] = [
     "answers",
     "apart",
     "bench_live",
@@ -43,9 +43,11 @@ const IN_REAL_TIME: [&str; 32] = [
     "round_trip",
     "run_serial",
     "security",
+    "server",
     "signals",
     "stopping",
     "strangers",
+    "view",
     "python_package",
 ];
 

@@ -18,6 +18,7 @@ use super::serve::{USUAL, meaning, meaning_of};
 use crate::interruption;
 use crate::live::of_files::{self, OfFiles};
 use crate::live::{self, LiveOptions, Serving};
+use crate::viewing::ViewArgs;
 use experiment_runner::asked::rig::{Chosen, RigParser, choose};
 use experiment_runner::compensation::Means;
 use experiment_runner::protocol::TrackingProtocol;
@@ -118,6 +119,9 @@ pub struct LiveArgs {
         help = format!("With --serve: {}", meaning("allow_rigs"))
     )]
     pub allow_rigs: Vec<RigChoice>,
+    /// The view.
+    #[command(flatten)]
+    pub view: ViewArgs,
     /// Seed of the sensors' noise
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64),
         help = meaning_of(&RigParameters::default(), "simulated.seed"))]
@@ -283,6 +287,7 @@ fn options(args: &LiveArgs, chosen: &Chosen) -> anyhow::Result<LiveOptions> {
             allow_rigs: args.allow_rigs.clone(),
             offers: super::ERRANDS,
         }),
+        view: args.view.options("live"),
         ros_arguments: args
             .quiet
             .then_some(["--log-level", "error"].map(str::to_owned))

@@ -60,6 +60,9 @@ pub enum LiveError {
     /// ROS 2 cannot be joined.
     #[error(transparent)]
     Ros(#[from] RosNodeError),
+    /// The view cannot be opened.
+    #[error(transparent)]
+    View(#[from] crate::viewing::NodesViewError),
     /// The rig refused a command while running.
     #[error("the rig stopped the run and is at zero volts: {0}")]
     Rig(RigError),
@@ -101,6 +104,7 @@ impl LiveError {
             Self::ParameterFile(error) => error.is_bad_input(),
             Self::Bag(error) => error.is_bad_input(),
             Self::Ros(error) => error.is_bad_input(),
+            Self::View(error) => error.is_bad_input(),
             Self::Start(_)
             | Self::Rig(_)
             | Self::Deaf(_)

@@ -49,6 +49,8 @@ use period_errors::PeriodErrors;
 use publishing::{Nodes, RunnerSide};
 use recording::Recorded;
 
+use crate::viewing::NodesView;
+
 use ::recording::bag::{BagOptions, BagWriter};
 use experiment_runner::compensation::Means;
 use experiment_runner::errand::Errands;
@@ -58,6 +60,7 @@ use experiment_runner::test_bed::TestBed;
 use experiment_runner::waveform::Waveform;
 use files::OutputFile;
 use rig_setup::{Opened, RigChoice, RigDescription, RigLimits, RigSetup, require_device};
+use view::ViewOptions;
 
 /// Cycles that wait for the recorder: eight seconds at 1 kHz, since a disk can be busy for that
 /// long.
@@ -118,6 +121,9 @@ pub struct LiveOptions {
     /// Arguments of ROS for the nodes: names, namespaces, parameters, log levels. They count above
     /// the other options.
     pub ros_arguments: Vec<String>,
+    /// A page in the browser; none for none.
+    #[serde(skip)]
+    pub view: Option<ViewOptions>,
     /// File for the exact percentiles of the periods' errors.
     #[serde(skip)]
     pub timing: Option<OutputFile>,
@@ -125,7 +131,8 @@ pub struct LiveOptions {
 
 /// Runs the loop in real time until the duration is over or `stop` is set.
 ///
-/// `started` is called once everything runs, with a line about the control thread's priority.
+/// `started` is called once everything runs, with a line about the control thread's priority and
+/// one that tells where the view is.
 ///
 /// # Errors
 /// [`LiveError`] names the environment variable, folder or option at fault. What was recorded
@@ -156,6 +163,11 @@ pub fn run(
     if options.reference.is_none() {
         controller.follow(controlling.references)?;
     }
+    let view = options
+        .view
+        .as_ref()
+        .map(|view| NodesView::open(view, &participant, options.serve.is_some()))
+        .transpose()?;
     let bag = options.bag()?;
 
     let (to_recorder, for_recorder) = rtrb::RingBuffer::new(RECORDER_QUEUE);
@@ -196,9 +208,9 @@ pub fn run(
     let mut elder = None;
     let priority = nodes.rig.priority();
     if begun.is_ok() {
-        started(
-            &about_line.map_or_else(|| priority.clone(), |about| format!("{about}\n{priority}")),
-        );
+        let view = view.as_ref().map(NodesView::words);
+        let lines: Vec<_> = about_line.into_iter().chain([priority.clone()]).chain(view).collect();
+        started(&lines.join("\n"));
         let over = || ending.over.load(Ordering::Acquire) || ending.gone.load(Ordering::Acquire);
         while elder.is_none()
             && !over()
@@ -216,6 +228,7 @@ pub fn run(
     let deaf = middleware.end();
     let overruns = nodes.rig.overruns();
     let published = nodes.leave();
+    drop(view);
     // Its queue ended with the rig's node.
     let kept = recorder.join().map_err(|_| LiveError::Panicked { thread: "recorder" });
     if matches!(deaf, Some(Lost::Stuck(_))) {

@@ -67,6 +67,7 @@ impl RosNode {
             !arguments.terminal_disabled,
             clock.clone(),
             rosout,
+            shared.ears.clone(),
         );
         let began = u64::try_from(since_epoch().as_nanos()).unwrap_or(u64::MAX);
         if shared.open.swap(false, Ordering::Relaxed) {

@@ -9,6 +9,7 @@ use ros2_client::qos::{Durability, History, QosProfile};
 use ros2_client::{Message, MessageInfo, MessageTypeName};
 
 use super::{RosNode, parse, profile, since_epoch};
+use crate::inside::Told;
 use crate::one_writer::WriterId;
 use crate::{Named, Publisher, RosNodeError};
 
@@ -37,7 +38,8 @@ impl RosNode {
         name: &str,
         qos: Qos,
     ) -> Result<Publisher<M>, RosNodeError> {
-        self.raw_publisher(name, M::DEFINITION.package, M::DEFINITION.name, qos)
+        let publisher = self.raw_publisher(name, M::DEFINITION.package, M::DEFINITION.name, qos)?;
+        Ok(publisher.heard_inside(Told::new(self.shared.ears.clone())))
     }
 
     /// A publisher of a type that is only known to the client library.

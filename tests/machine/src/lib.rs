@@ -39,6 +39,8 @@ pub enum Need {
     Ros2,
     /// A browser.
     Chromium,
+    /// The checks of accessibility that `npm ci` brings.
+    Axe,
     /// Headers of Fast DDS, for a peer of another vendor in C++.
     FastDds,
     /// The recordings of the EMPS benchmark.
@@ -83,6 +85,7 @@ impl Need {
                 "no `ros2` command on the path; the other tests make the same calls with rclpy"
             }
             Self::Chromium => "no Chromium: install `chromium`, or name one in CHROMIUM",
+            Self::Axe => "no axe-core: run `npm ci` in `web`",
             Self::FastDds => {
                 "no Fast DDS: `apt-get install libssl-dev libfastrtps-dev libfastcdr-dev`"
             }
@@ -117,6 +120,7 @@ impl Need {
             Self::Machines => namespace_flags().is_some() && two_namespaces(),
             Self::Ros2 => succeeds("ros2", &[&["--help"]]),
             Self::Chromium => chromium().is_some(),
+            Self::Axe => axe().is_file(),
             Self::FastDds => ["fastdds", "openssl/ssl.h"]
                 .iter()
                 .all(|header| Path::new("/usr/include").join(header).exists()),
@@ -178,6 +182,13 @@ pub fn chromium() -> Option<PathBuf> {
     let folders: Vec<PathBuf> = env::split_paths(&path).collect();
     let installed = folders.iter().flat_map(|folder| usual.map(|name| folder.join(name)));
     named.into_iter().chain(installed).find(|program| program.is_file())
+}
+
+/// The script of axe-core, which looks for what keeps people from using a page; it is there after
+/// `npm ci` in `web`.
+#[must_use]
+pub fn axe() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../web/node_modules/axe-core/axe.min.js")
 }
 
 fn succeeds(program: &str, arguments: &[&[&str]]) -> bool {

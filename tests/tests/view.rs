@@ -1,0 +1,304 @@
+//! The view of the real program in a real browser: what is seen moves, what is asked is done or
+//! refused with a reason, and the emergency stop works.
+
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, ChildStdout, Command, Stdio};
+use std::thread;
+
+use serde_json::Value;
+use tests::network::{namespaced, run_ignored, turn};
+use tests::tab::Tab;
+
+/// Runs a test of this file that is ignored elsewhere, on a machine with loopback only.
+fn inside(test: &str) {
+    let _turn = turn();
+    let program = tests::frictionlab().get_program().to_owned();
+    run_ignored(namespaced(), test, &[("FRICTIONLAB_BIN", &program)]);
+}
+
+/// `frictionlab live --view`, and where its page is. Dropped, it is killed.
+struct Live {
+    program: Child,
+    url: String,
+}
+
+impl Live {
+    fn start(folder: &Path, port: &str, more: &[&str]) -> Self {
+        let mut program: Child = tests::frictionlab()
+            .args(["live", "--view", "--view-port", port, "--force", "--out"])
+            .arg(folder.join("out"))
+            .args(more)
+            .current_dir(folder)
+            .env("ROS_DOMAIN_ID", "77")
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("it starts");
+        let mut lines = BufReader::new(program.stdout.take().expect("its output is ours"));
+        let url = loop {
+            let mut line = String::new();
+            let count = lines.read_line(&mut line).expect("its output");
+            assert!(count > 0, "it ended without a view");
+            if let Some(url) = line.strip_prefix("view: ") {
+                break url.trim().to_owned();
+            }
+        };
+        // What it says later is read, so that it never waits for us.
+        thread::spawn(move || drain(lines));
+        Self { program, url }
+    }
+
+    fn port(&self) -> String {
+        let address = self.url.trim_end_matches('/');
+        address.rsplit(':').next().expect("a port").to_owned()
+    }
+
+    /// Ends it as ctrl-C does.
+    fn end(mut self) {
+        let id = self.program.id().to_string();
+        let told = Command::new("kill").args(["-INT", &id]).status().expect("kill runs");
+        assert!(told.success());
+        assert!(self.program.wait().expect("it ends").success());
+    }
+}
+
+impl Drop for Live {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.program.kill();
+        let _ = self.program.wait();
+    }
+}
+
+fn drain(lines: BufReader<ChildStdout>) {
+    lines.lines().map_while(Result::ok).for_each(drop);
+}
+
+/// The page of a running loop, connected.
+fn page(live: &Live) -> Tab {
+    let mut tab = Tab::open();
+    tab.look(1200, false);
+    tab.go(&live.url);
+    tab.until("document.getElementById('connection').textContent === 'connected'");
+    tab
+}
+
+/// Sets a parameter as a person does who types.
+fn set(tab: &mut Tab, name: &str, value: &str) {
+    let row = format!("document.querySelector('[data-name=\"{name}\"]')");
+    tab.until(&row);
+    tab.evaluate(&format!(
+        "(() => {{ const input = {row}.querySelector('input:not([type=range])');
+         input.value = '{value}'; input.dispatchEvent(new Event('change')); }})()"
+    ));
+}
+
+/// What is said beside a parameter.
+fn said(name: &str) -> String {
+    format!("document.querySelector('[data-name=\"{name}\"] output').textContent")
+}
+
+fn rig_is(tab: &mut Tab, state: &str) {
+    tab.until(&format!("document.getElementById('rig').textContent === 'rig: {state}'"));
+}
+
+#[tests::needs(chromium, namespace)]
+#[test]
+fn a_live_loop_is_seen_and_steered() {
+    inside("inside_seen_and_steered");
+}
+
+#[test]
+#[ignore = "in a network namespace only"]
+fn inside_seen_and_steered() {
+    let folder = tempfile::tempdir().unwrap();
+    let live = Live::start(folder.path(), "0", &[]);
+    let mut tab = page(&live);
+    rig_is(&mut tab, "active");
+    // Curves and planes fill up.
+    tab.until("parseInt(document.getElementById('stribeck-said').textContent) > 500");
+    tab.until("document.getElementById('curve-model').textContent === '(proposed)'");
+    let plot = "document.querySelector('.plot canvas').toDataURL()";
+    let before = tab.evaluate(plot);
+    let before = before.as_str().unwrap();
+    tab.until(&format!("{plot} !== '{before}'"));
+    tab.until("document.querySelector('.plot').getAttribute('aria-label').includes('reference')");
+
+    // A parameter within its range, beyond it, and back.
+    tab.evaluate(
+        "document.querySelectorAll('#parameters details').forEach((one) => one.open = true)",
+    );
+    tab.until("document.querySelector('[data-name=\"reference_timeout\"]')");
+    set(&mut tab, "reference_timeout", "0.7");
+    tab.until(&format!("{} === 'reference_timeout is 0.7'", said("reference_timeout")));
+    set(&mut tab, "reference_timeout", "999");
+    tab.until(&format!("{}.startsWith('refused: ')", said("reference_timeout")));
+    let refused = tab.evaluate(&said("reference_timeout"));
+    assert!(refused.as_str().unwrap().contains("60"), "the node's reason: {refused}");
+    let shown = "document.querySelector('[data-name=\"reference_timeout\"] input').value";
+    assert_eq!(tab.evaluate(shown), "0.7");
+    tab.click("#undo");
+    tab.until(&format!("{} === 'reference_timeout is 0.5'", said("reference_timeout")));
+
+    // The emergency stop by its key, and the way back.
+    tab.press("Escape");
+    tab.until("document.getElementById('stop-said').textContent.startsWith('Emergency stop: the motor is at zero')");
+    rig_is(&mut tab, "emergency stop");
+    tab.click("[data-call='rig_driver/clear_fault']");
+    tab.until("document.getElementById('steering-said').className === 'said good'");
+    for transition in ["configure", "activate"] {
+        tab.click(&format!("[data-call='rig_driver/change_state'][data-transition={transition}]"));
+        let told =
+            if transition == "configure" { "Configure rig: done" } else { "Activate rig: done" };
+        tab.until(&format!("document.getElementById('steering-said').textContent === '{told}'"));
+    }
+    rig_is(&mut tab, "active");
+    assert_eq!(tab.complaints(), [""; 0]);
+
+    // The program goes and comes back.
+    let port = live.port();
+    live.end();
+    tab.until("!document.getElementById('lost').hidden");
+    tab.click("#stop");
+    tab.until("document.getElementById('stop-said').textContent.includes('NOT confirmed')");
+    let _live = Live::start(folder.path(), &port, &[]);
+    tab.until("document.getElementById('connection').textContent === 'connected'");
+    assert_eq!(tab.evaluate("document.getElementById('lost').hidden"), true);
+    rig_is(&mut tab, "active");
+}
+
+#[tests::needs(chromium, namespace)]
+#[test]
+fn the_page_fits_every_width_and_is_used_by_keyboard_alone() {
+    inside("inside_widths_and_keyboard");
+}
+
+#[test]
+#[ignore = "in a network namespace only"]
+fn inside_widths_and_keyboard() {
+    let folder = tempfile::tempdir().unwrap();
+    let live = Live::start(folder.path(), "0", &[]);
+    let mut tab = page(&live);
+    tab.until("document.querySelector('[data-name=\"fade\"]')");
+    tab.evaluate(
+        "document.querySelectorAll('#parameters details').forEach((one) => one.open = true)",
+    );
+    for width in [1200, 700, 360] {
+        for dark in [false, true] {
+            tab.look(width, dark);
+            tab.until(&format!("innerWidth === {width}"));
+            let wide = tab.evaluate("document.documentElement.scrollWidth");
+            assert!(wide.as_u64().unwrap() <= u64::from(width), "{width}: {wide} wide");
+            let name = format!("view_{width}_{}.png", if dark { "dark" } else { "light" });
+            tab.picture(&Path::new(env!("CARGO_TARGET_TMPDIR")).join(name));
+        }
+    }
+    tab.look(1200, false);
+    // From the top of the page to the emergency stop, and it is pressed.
+    tab.evaluate("document.activeElement.blur()");
+    let mut seen = Vec::new();
+    while tab.evaluate("document.activeElement.id") != "stop" {
+        tab.press("Tab");
+        seen.push(tab.evaluate("document.activeElement.className || document.activeElement.id"));
+        assert!(seen.len() < 20, "the stop is not reached: {seen:?}");
+    }
+    tab.press("Enter");
+    rig_is(&mut tab, "emergency stop");
+    // On to a parameter, which is typed in.
+    while tab.evaluate("document.activeElement.id") != "filter" {
+        tab.press("Tab");
+        seen.push(Value::Null);
+        assert!(seen.len() < 200, "the parameters are not reached");
+    }
+    for letter in "fade".chars() {
+        tab.press(&letter.to_string());
+    }
+    tab.until("!document.querySelector('[data-name=\"fade\"]').hidden && document.querySelector('[data-name=\"pid.k_p\"]').hidden");
+    assert_eq!(tab.complaints(), [""; 0]);
+}
+
+#[tests::needs(chromium, namespace, axe)]
+#[test]
+fn nothing_keeps_people_from_the_page() {
+    inside("inside_accessible");
+}
+
+#[test]
+#[ignore = "in a network namespace only"]
+fn inside_accessible() {
+    let folder = tempfile::tempdir().unwrap();
+    let live = Live::start(folder.path(), "0", &["--serve"]);
+    let mut tab = page(&live);
+    tab.until("document.querySelector('[data-name=\"fade\"]')");
+    tab.until("document.getElementById('experiment').options.length > 3");
+    tab.evaluate("document.querySelectorAll('details').forEach((one) => one.open = true)");
+    let axe = std::fs::read_to_string(machine::axe()).unwrap();
+    tab.evaluate(&format!("(() => {{ {axe}; return 1; }})()"));
+    for dark in [false, true] {
+        tab.look(if dark { 360 } else { 1200 }, dark);
+        let found = tab.evaluate(
+            "axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'best-practice'] })
+             .then((all) => all.violations.map((one) => one.id + ': ' + one.nodes.map((node) => node.target + ' ' + node.failureSummary).join('; ')))",
+        );
+        assert_eq!(found, Value::Array(Vec::new()), "dark: {dark}");
+    }
+}
+
+#[tests::needs(chromium, namespace)]
+#[test]
+fn a_page_that_holds_a_jog_and_vanishes_stops_the_motor() {
+    inside("inside_jog");
+}
+
+#[test]
+#[ignore = "in a network namespace only"]
+fn inside_jog() {
+    let folder = tempfile::tempdir().unwrap();
+    let live = Live::start(folder.path(), "0", &[]);
+    let mut watching = page(&live);
+    let mut tab = page(&live);
+    rig_is(&mut tab, "active");
+    tab.click("#jog-ready");
+    tab.until("!document.getElementById('jog-ahead').disabled");
+    let applied = |tab: &mut Tab, volts: &str| {
+        let label = "[...document.querySelectorAll('.plot')].map((one) => one.getAttribute('aria-label')).find((one) => one?.startsWith('Voltage'))";
+        tab.until(&format!("{label}?.startsWith('Voltage: applied {volts} V')"));
+    };
+    applied(&mut watching, "0.00");
+    tab.hold("#jog-ahead");
+    applied(&mut watching, "1.00");
+    // The page is gone in the middle of it.
+    drop(tab);
+    applied(&mut watching, "0.00");
+    rig_is(&mut watching, "faulted");
+}
+
+#[tests::needs(chromium, namespace)]
+#[test]
+fn an_experiment_is_started_and_aborted_from_the_page() {
+    inside("inside_experiment");
+}
+
+#[test]
+#[ignore = "in a network namespace only"]
+fn inside_experiment() {
+    let folder = tempfile::tempdir().unwrap();
+    let live = Live::start(folder.path(), "0", &["--serve"]);
+    let mut tab = page(&live);
+    tab.until("document.getElementById('experiment').options.length > 3");
+    tab.evaluate(
+        "(() => { const one = document.getElementById('experiment'); one.value = 'characterise';
+         one.dispatchEvent(new Event('change')); })()",
+    );
+    tab.click("#start");
+    tab.until(
+        "document.getElementById('experiment-status').textContent.startsWith('characterise')",
+    );
+    tab.until("document.getElementById('progress').value > 0");
+    tab.click("#abort");
+    tab.until("document.getElementById('experiment-said').className === 'said good'");
+    tab.until(
+        "!document.getElementById('experiment-status').textContent.startsWith('characterise')",
+    );
+}
