@@ -50,7 +50,7 @@ const KEYS: Record<string, string> = {
 };
 
 const plots = PLOTS.map((plot) => {
-  const place = make("div", { class: "plot", role: "img" });
+  const place = make("div", { class: "plot", role: "img", "aria-label": plot.title });
   const caption = make("figcaption", {}, `${plot.title} [${plot.unit}]: `);
   plot.curves.forEach((one, at) => {
     caption.append(at ? ", " : "", `${one.label} `, make("span", { class: `key ${KEYS[one.colour]}` }));
@@ -203,9 +203,9 @@ function diagnostics(message: Message): void {
 
 function rig(level: number, status: Message, values: Map<string, string>): void {
   const badge = by("rig");
-  badge.className = level === 0 ? "badge good" : "badge bad";
   const stopped = values.get("emergency stop") === "set";
   const state = stopped ? "emergency stop" : (values.get("state") ?? "unknown");
+  badge.className = level >= 2 ? "badge bad" : state === "active" ? "badge good" : "badge";
   write(badge, `rig: ${state}`);
   badge.title = String(status["message"]);
   if (!stopped && values.get("state") === "active" && by("stop-said").classList.contains("good")) {

@@ -5,12 +5,16 @@ import { by, write } from "./dom";
 
 /** Time between two voltages of a jog [ms]: well within the age of a command. */
 const JOG = 8;
+/** Time that the driver is given to find this page's voltages [ms]. */
+const FOUND = 2000;
 /** How often an emergency stop that was not confirmed is asked for again. */
 const STOPS = 5;
 
 export class Steering {
   private stopping = false;
   private jogging: number | undefined;
+  /** The motor is in the hands of this page. */
+  private jogs = false;
   private volts = 0;
   private namespace = "";
   mayChange = true;
@@ -57,11 +61,11 @@ export class Steering {
     for (const button of document.querySelectorAll<HTMLButtonElement>("#steering button")) {
       button.disabled = !works;
     }
-    const jogs = works && this.jogging !== undefined;
+    const jogs = works && this.jogs;
     by<HTMLButtonElement>("jog-back").disabled = !jogs;
     by<HTMLButtonElement>("jog-ahead").disabled = !jogs;
     by<HTMLButtonElement>("jog-end").disabled = !jogs;
-    by<HTMLButtonElement>("jog-ready").disabled = !works || jogs;
+    by<HTMLButtonElement>("jog-ready").disabled = !works || this.jogging !== undefined;
   }
 
   /** The emergency stop. It is never disabled: where it cannot work it says so. */
@@ -141,12 +145,16 @@ export class Steering {
     if ((await this.phase("controller")) === "active") {
       if (!(await this.change("controller", "deactivate"))) return;
     }
-    if (!(await this.change("rig_driver", "activate"))) return;
     this.volts = 0;
+    // The driver must have found this commander when it begins to wait for voltages.
     this.jogging = window.setInterval(() => {
       const sent = this.client().publish(`${this.namespace}/motor_voltage`, { voltage: this.volts });
       if (!sent && !this.client().isOpen) this.stopJogging();
     }, JOG);
+    write(by("steering-said"), "by hand: one moment …");
+    await new Promise((done) => setTimeout(done, FOUND));
+    this.jogs = await this.change("rig_driver", "activate");
+    if (!this.jogs) this.stopJogging();
     this.enable();
   }
 
@@ -154,6 +162,7 @@ export class Steering {
     if (this.jogging === undefined) return;
     clearInterval(this.jogging);
     this.jogging = undefined;
+    this.jogs = false;
     this.enable();
   }
 

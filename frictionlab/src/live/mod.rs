@@ -152,7 +152,7 @@ pub fn run(
     let about_line = real.as_ref().and_then(|opened| opened.about.clone());
     let arguments = settings::arguments(options, period)?;
 
-    let participant = Participant::join_with(&discovery, arguments.or_enclave("/live"))?;
+    let participant = Participant::join_with(&discovery, arguments.clone().or_enclave("/live"))?;
     let (runner, to_reference) = RunnerSide::new(
         &participant,
         options.reference.is_some(),
@@ -166,7 +166,12 @@ pub fn run(
     let view = options
         .view
         .as_ref()
-        .map(|view| NodesView::open(view, &participant, options.serve.is_some()))
+        .map(|view| {
+            let arguments = arguments.clone();
+            let join =
+                move || Participant::join_with(&discovery, arguments.clone().or_enclave("/live"));
+            NodesView::open(view, &participant, options.serve.is_some(), Box::new(join))
+        })
         .transpose()?;
     let bag = options.bag()?;
 

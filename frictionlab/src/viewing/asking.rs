@@ -5,7 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use msgs::friction_msgs::{MotorVoltage, Reference};
 use msgs::topics;
-use ros_node::{Named, Publisher, RosNode};
+use ros_node::parameters::Parameters;
+use ros_node::{Named, Participant, Publisher, RosNode, RosNodeError};
 use serde_json::{Value, json};
 use view::{Access, Parameter, Service, Steering};
 
@@ -88,14 +89,39 @@ impl Asking {
 /// Messages of viewers, each under the rules that the nodes have for anybody's: a voltage without a
 /// stamp counts from the moment it comes, for the command age and no longer.
 pub(super) struct Publishing {
+    /// Knows the names of topics.
     node: Arc<RosNode>,
-    voltage: Mutex<Option<Publisher<MotorVoltage>>>,
-    reference: Mutex<Option<Publisher<Reference>>>,
+    join: Join,
+    /// Another participant: a driver takes no voltages from a network that is its own process.
+    by_hand: Mutex<Option<ByHand>>,
+}
+
+/// Joins the network once more, as the process did.
+pub type Join = Box<dyn Fn() -> Result<Participant, RosNodeError> + Send + Sync>;
+
+/// The node that says what people at a page say.
+struct ByHand {
+    voltage: Publisher<MotorVoltage>,
+    reference: Publisher<Reference>,
+    _parameters: Parameters,
+    _node: RosNode,
+}
+
+impl ByHand {
+    fn new(join: &Join) -> Result<Self, RosNodeError> {
+        let node = join()?.node("view_by_hand")?;
+        Ok(Self {
+            voltage: node.publisher(&topics::MOTOR_VOLTAGE)?,
+            reference: node.publisher(&topics::REFERENCE)?,
+            _parameters: Parameters::usual(&node)?,
+            _node: node,
+        })
+    }
 }
 
 impl Publishing {
-    pub(super) fn new(node: Arc<RosNode>) -> Self {
-        Self { node, voltage: Mutex::default(), reference: Mutex::default() }
+    pub(super) fn new(node: Arc<RosNode>, join: Join) -> Self {
+        Self { node, join, by_hand: Mutex::default() }
     }
 
     fn publish(&self, topic: &str, message: &Value) -> Result<(), String> {
@@ -108,7 +134,7 @@ impl Publishing {
         };
         if is(topics::MOTOR_VOLTAGE.name_in_namespace()) {
             let voltage = MotorVoltage { voltage: number("voltage")?, ..MotorVoltage::default() };
-            return send(&self.voltage, &self.node, &topics::MOTOR_VOLTAGE, voltage);
+            return self.by_hand(|hand| hand.voltage.publish(voltage));
         }
         if is(topics::REFERENCE.name_in_namespace()) {
             let reference = Reference {
@@ -117,23 +143,18 @@ impl Publishing {
                 acceleration: number("acceleration")?,
                 ..Reference::default()
             };
-            return send(&self.reference, &self.node, &topics::REFERENCE, reference);
+            return self.by_hand(|hand| hand.reference.publish(reference));
         }
         Err(format!("nobody takes messages on {topic}"))
     }
-}
 
-/// Publishes; the publisher is made with the first message.
-fn send<M: msgs::Payload>(
-    slot: &Mutex<Option<Publisher<M>>>,
-    node: &RosNode,
-    topic: &topics::Topic<M>,
-    message: M,
-) -> Result<(), String> {
-    let mut slot = slot.lock().unwrap_or_else(PoisonError::into_inner);
-    if slot.is_none() {
-        *slot = Some(node.publisher(topic).map_err(|error| error.to_string())?);
+    /// Says something; the node is made with the first message.
+    fn by_hand(&self, say: impl FnOnce(&ByHand) -> Result<(), RosNodeError>) -> Result<(), String> {
+        let mut slot = self.by_hand.lock().unwrap_or_else(PoisonError::into_inner);
+        let hand = match &*slot {
+            Some(hand) => hand,
+            None => slot.insert(ByHand::new(&self.join).map_err(|error| error.to_string())?),
+        };
+        say(hand).map_err(|error| error.to_string())
     }
-    let publisher = slot.as_ref().ok_or("no publisher")?;
-    publisher.publish(message).map_err(|error| error.to_string())
 }

@@ -9,12 +9,12 @@ use ros_node::parameters::Parameters;
 use ros_node::{Participant, RosNodeError};
 use view::{Hub, View, ViewError, ViewOptions};
 
-use super::asking::{Asking, Publishing};
-use super::settings::Settings;
+use super::asking::{Asking, Join, Publishing};
+use super::settings::{Settings, now_ns};
 use super::{channels, services};
 
 /// How often the nodes are asked for their parameters.
-const AGAIN: Duration = Duration::from_secs(2);
+const AGAIN: Duration = Duration::from_secs(1);
 
 /// A view with the node through which it asks, `/view`. Dropped, it ends.
 pub struct NodesView {
@@ -52,7 +52,7 @@ impl NodesViewError {
 
 impl NodesView {
     /// Opens a view of the nodes of this participant; with `experiments`, of `/experiment_runner`
-    /// too.
+    /// too. `join` joins the network once more, for what people at a page say themselves.
     ///
     /// # Errors
     /// [`NodesViewError`] if the port is taken, or the middleware or the system refuses.
@@ -60,6 +60,7 @@ impl NodesView {
         options: &ViewOptions,
         participant: &Participant,
         experiments: bool,
+        join: Join,
     ) -> Result<Self, NodesViewError> {
         let hub = Hub::default();
         let node = Arc::new(participant.node("view")?);
@@ -71,7 +72,7 @@ impl NodesView {
         let asking = Asking {
             offers: services::all(&node, experiments)?,
             settings: Arc::clone(&settings),
-            publishing: Publishing::new(node),
+            publishing: Publishing::new(node, join),
             poke: Mutex::new(poke.clone()),
         };
         let view = View::start(options, hub.clone(), Arc::new(asking))?;
@@ -79,6 +80,7 @@ impl NodesView {
             // The last sender goes with the view.
             while !matches!(poked.recv_timeout(AGAIN), Err(RecvTimeoutError::Disconnected)) {
                 while poked.try_recv().is_ok() {}
+                hub.time(now_ns());
                 if hub.viewers() > 0 {
                     settings.refresh();
                 }
