@@ -7,7 +7,7 @@ use frictionlab::cli::help::prepared;
 use frictionlab::cli::{
     bag, commission, compare, completions, design, exit_code, export, features, identify_drive,
     identify_joints, identify_servo, identify_stiction, look, manual, models, monte_carlo,
-    protocols, rig, run, samples, simulate, told, truth_matrix,
+    protocols, rig, run, samples, simulate, told, truth_matrix, view,
 };
 use machine_rig::MachineFactory;
 use rig_driver::RigRegistry;
@@ -27,7 +27,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Run(experiment_runner::asked::RunArgs),
+    Run(Box<run::RunCommand>),
     Look(Box<look::LookArgs>),
     // Boxed: its many options would make every other command as large.
     Identify(Box<identification::asked::IdentifyArgs>),
@@ -35,7 +35,7 @@ enum Command {
     IdentifyServo(Box<identify_servo::IdentifyServoArgs>),
     IdentifyStiction(Box<identify_stiction::IdentifyStictionArgs>),
     Bag(bag::BagArgs),
-    Commission(Box<commission::CommissionArgs>),
+    Commission(Box<commission::CommissionCommand>),
     Compare(compare::CompareArgs),
     Completions(completions::CompletionsArgs),
     Design(studies::design::asked::DesignArgs),
@@ -49,6 +49,7 @@ enum Command {
     Samples(samples::SamplesArgs),
     Simulate(simulate::SimulateArgs),
     TruthMatrix(truth_matrix::TruthMatrixArgs),
+    View(view::BagViewArgs),
     #[cfg(feature = "ros")]
     Doctor(frictionlab::cli::doctor::DoctorArgs),
     #[cfg(feature = "ros")]
@@ -103,6 +104,7 @@ fn main() -> ExitCode {
         Command::Samples(args) => samples::execute(&args),
         Command::Simulate(args) => simulate::execute(&args),
         Command::TruthMatrix(args) => truth_matrix::execute(&args),
+        Command::View(args) => view::execute(&args),
         #[cfg(feature = "ros")]
         Command::Doctor(args) => frictionlab::cli::doctor::execute(&args),
         #[cfg(feature = "ros")]

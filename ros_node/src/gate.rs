@@ -267,7 +267,14 @@ mod tests {
     const B: WriterId = WriterId([2; 16]);
 
     fn gate(handover: Option<Duration>) -> Gate {
-        let logger = Logger::new("test".into(), LogLevel::Fatal, false, NodeClock::default(), None);
+        let logger = Logger::new(
+            "test".into(),
+            LogLevel::Fatal,
+            false,
+            NodeClock::default(),
+            None,
+            crate::inside::Ears::default(),
+        );
         Gate::of("/motor_voltage".into(), Graph::default(), logger, handover)
     }
 

@@ -19,7 +19,7 @@ use crate::protocol::incoming::Said;
 use crate::protocol::reading::{self, Bytes};
 use crate::protocol::{incoming, outgoing};
 use crate::queue::{Out, Queue};
-use crate::server::Shared;
+use crate::shared::Shared;
 
 /// Longest message of a viewer \[bytes\].
 const MESSAGE: usize = 256 << 10;

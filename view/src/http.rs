@@ -22,7 +22,7 @@ use tokio::sync::OwnedSemaphorePermit;
 use tokio_tungstenite::tungstenite::handshake::derive_accept_key;
 
 use crate::protocol::SPOKEN;
-use crate::server::Shared;
+use crate::shared::Shared;
 use crate::{Access, assets, client};
 
 /// Time for the head of a request.

@@ -18,6 +18,7 @@
 mod access;
 mod assets;
 mod caller;
+mod channel;
 mod client;
 mod error;
 mod http;
@@ -26,11 +27,13 @@ mod origin;
 mod protocol;
 mod queue;
 mod server;
+mod shared;
 mod steering;
 
 pub use access::{Access, Token, Tokens};
+pub use channel::{Channel, ChannelId};
 pub use error::ViewError;
-pub use hub::{Channel, ChannelId, Hub};
+pub use hub::Hub;
 pub use origin::Origins;
 pub use server::{View, ViewOptions};
 pub use steering::{Parameter, Playback, PlaybackRequest, PlaybackStatus, Service, Steering};

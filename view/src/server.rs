@@ -9,6 +9,7 @@ use tokio::runtime::{Builder, Runtime};
 use tokio::sync::Semaphore;
 
 use crate::access::Tokens;
+use crate::shared::Shared;
 use crate::{Hub, Origins, PORT, Steering, ViewError, http};
 
 /// Connections at once; one more is closed at once.
@@ -55,18 +56,6 @@ pub struct View {
     address: SocketAddr,
     tokens: Option<Tokens>,
     runtime: Option<Runtime>,
-}
-
-/// What all connections share.
-pub(crate) struct Shared {
-    pub(crate) hub: Hub,
-    pub(crate) steering: Arc<dyn Steering>,
-    pub(crate) origins: Origins,
-    pub(crate) tokens: Option<Tokens>,
-    pub(crate) name: String,
-    /// Differs from start to start.
-    pub(crate) session: String,
-    pub(crate) viewers: Arc<Semaphore>,
 }
 
 impl View {

@@ -22,7 +22,6 @@ interface Experiment {
 export class Experiments {
   private all: Experiment[] = [];
   private namespace = "";
-  private asked = false;
   mayChange = true;
 
   constructor(private readonly client: () => Client) {
@@ -34,9 +33,11 @@ export class Experiments {
   services(names: string[]): void {
     const end = "/experiment_runner/list_experiments";
     const list = names.find((name) => name.endsWith(end));
-    by("experiments").hidden = !list && !this.asked;
+    const abort = names.find((name) => name.endsWith("/experiment_runner/abort"));
+    by("experiments").hidden = !abort;
+    by("pick").hidden = by("more").hidden = !list;
+    if (abort) this.namespace = abort.slice(0, -"/experiment_runner/abort".length);
     if (!list) return;
-    this.namespace = list.slice(0, -end.length);
     void this.list(list);
   }
 
@@ -50,7 +51,6 @@ export class Experiments {
     try {
       const answer = await this.client().call(name, {}, 15000);
       this.all = answer["experiments"] as Experiment[];
-      this.asked = true;
       const select = by<HTMLSelectElement>("experiment");
       const before = select.value;
       select.replaceChildren(
@@ -125,8 +125,6 @@ export class Experiments {
 
   /** Takes how far it is. */
   status(message: Message): void {
-    by("experiments").hidden = false;
-    this.asked = true;
     const progress = Number(message["progress"]);
     const bar = by<HTMLProgressElement>("progress");
     bar.value = Number.isFinite(progress) ? progress : 0;

@@ -45,7 +45,11 @@ export class Steering {
   services(names: string[]): void {
     const stop = names.find((name) => name.endsWith("/rig_driver/emergency_stop"));
     this.namespace = stop ? stop.slice(0, -"/rig_driver/emergency_stop".length) : "";
-    by("steering").hidden = !stop;
+    const offered = (name: string) => names.includes(`${this.namespace}/${name}`);
+    const buttons = [...document.querySelectorAll<HTMLButtonElement>("button[data-call]")];
+    for (const button of buttons) button.hidden = !offered(button.dataset["call"]!);
+    by("by-hand").hidden = !offered("controller/change_state");
+    by("steering").hidden = buttons.every((button) => button.hidden);
     this.enable();
   }
 

@@ -15,12 +15,25 @@ pub use super::commission_args::CommissionArgs;
 use super::commission_planned::{asked, checked, ended, planned};
 use super::commission_words::worded;
 use crate::interruption;
+use crate::viewing::ViewArgs;
+
+/// The options of a commission, and of its view.
+#[derive(Debug, clap::Args)]
+pub struct CommissionCommand {
+    /// The view.
+    #[command(flatten)]
+    pub view: ViewArgs,
+    /// The commission.
+    #[command(flatten)]
+    pub commission: CommissionArgs,
+}
 
 /// Runs it.
 ///
 /// # Errors
 /// [`BadInput`] for what the user can mend, [`Interrupted`](work::Interrupted) after ctrl-C.
-pub fn execute(args: &CommissionArgs) -> anyhow::Result<()> {
+pub fn execute(command: &CommissionCommand) -> anyhow::Result<()> {
+    let CommissionCommand { view, commission: args } = command;
     checked(args)?;
     if let Some(machines) = args.trial {
         let (seed, wanted) = (args.seed, args.want.clone());
@@ -52,8 +65,10 @@ pub fn execute(args: &CommissionArgs) -> anyhow::Result<()> {
     let dossier = planned.begin(&identity, || Ok(args.to.reserve("commission")?.into_path()))?;
     args.saying.begin();
     let progress = Progress::in_words(asked.allowed, args.quiet);
+    let view = view.of_bags("commission", "commission", &stop, &progress, args.quiet)?;
     let outcome = commission::run(&asked, &known, &dossier, &stop, &progress);
     progress.finish();
+    drop(view);
     let outcome = outcome.map_err(|error| ended(error, &dossier))?;
     let text = format!(
         "{}report          {}\nparameters      {}\n",

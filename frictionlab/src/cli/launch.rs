@@ -3,9 +3,12 @@
 use std::{path::Path, time::Duration};
 
 use anyhow::Context;
-use ros_node::Stop;
+use ros_node::{Arguments, Discovery, Participant, Stop};
+use view::ViewOptions;
 
+use crate::launch::arguments::AxisArguments;
 use crate::launch::{LaunchArguments, LaunchFile, files::ConfigFolder, plan, supervise::supervise};
+use crate::viewing::{Heard, NodesView, Shown, ViewArgs, refused};
 use work::saying::print;
 
 /// Start the nodes, each a process of its own
@@ -65,6 +68,9 @@ pub struct LaunchArgs {
     /// The same as record:=DIR
     #[arg(long, value_name = "DIR")]
     pub record: Option<String>,
+    /// The view.
+    #[command(flatten)]
+    pub view: ViewArgs,
     /// Print the commands and start nothing
     #[arg(long)]
     pub show: bool,
@@ -107,11 +113,37 @@ pub fn execute(args: &LaunchArgs) -> anyhow::Result<()> {
     let stop = Stop::on_signals().context("cannot watch for ctrl-C")?;
     let config = ConfigFolder::make(arguments.files.as_deref())?;
     let processes = processes(&arguments, config.path());
+    let views = views(&args.view, &arguments)?;
+    for view in &views {
+        ros_node::terminal::say(format!("[launch] {}", view.words()));
+    }
     // A terminal that went away must not stop the nodes.
     let ended =
         supervise(&processes, &stop, |text| ros_node::terminal::say(format!("[launch] {text}")));
     ros_node::terminal::flush();
+    drop(views);
     Ok(ended?)
+}
+
+/// A view of each axis, as one more participant.
+fn views(args: &ViewArgs, arguments: &LaunchArguments) -> anyhow::Result<Vec<NodesView>> {
+    let Some(options) = args.options("launch") else { return Ok(Vec::new()) };
+    let discovery = Discovery::from_environment()?;
+    let view = |(at, axis): (usize, &AxisArguments)| {
+        let given = axis.namespace.iter().flat_map(|namespace| {
+            let namespace = format!("__ns:=/{}", namespace.trim_matches('/'));
+            ["--ros-args".to_owned(), "-r".to_owned(), namespace]
+        });
+        let ours = Arguments::parse(given)?.or_enclave("/view");
+        let join = move || Participant::join_with(&discovery, ours.clone());
+        let participant = join()?;
+        let shown = Shown { heard: Heard::Network, experiments: true };
+        // The axis behind the first has the port behind it.
+        let port = options.port.map(|port| port.saturating_add(at as u16));
+        let options = ViewOptions { port, ..options.clone() };
+        NodesView::open(&options, &participant, shown, Box::new(join)).map_err(refused)
+    };
+    arguments.axes.iter().enumerate().map(view).collect()
 }
 
 /// The processes; where there is no `ros2`, frictionlab itself records.

@@ -45,6 +45,7 @@ pub mod security;
 pub mod serve;
 pub mod simulate;
 pub mod truth_matrix;
+pub mod view;
 
 use experiment_runner::errand::Errands;
 pub use failure::{exit_code, told};

@@ -14,28 +14,41 @@ use work::saying::document;
 use work::{BadInput, Interrupted};
 
 use crate::interruption;
+use crate::viewing::ViewArgs;
+
+/// The options of the runs, and of their view.
+#[derive(Debug, clap::Args)]
+pub struct RunCommand {
+    /// The view.
+    #[command(flatten)]
+    pub view: ViewArgs,
+    /// The runs.
+    #[command(flatten)]
+    pub run: RunArgs,
+}
 
 /// Runs it.
 ///
 /// # Errors
 /// [`BadInput`] for what the user can mend, [`Interrupted`] after ctrl-C.
-pub fn execute(args: &RunArgs) -> anyhow::Result<()> {
+pub fn execute(command: &RunCommand) -> anyhow::Result<()> {
+    let RunCommand { view, run: args } = command;
     if let Some(folder) = &args.resume {
         let (folder, given, journal) = super::resume::open(args, folder)?;
         let options = options(&given, &thesis::BESIDE)?;
         journal.require_asked(&options).map_err(worded)?;
         run::check_options(&options).map_err(worded)?;
-        return run_in(&given, &options, &folder, Beginning::Resumed(Box::new(journal)));
+        return run_in((&given, view), &options, &folder, Beginning::Resumed(Box::new(journal)));
     }
     let options = options(args, &thesis::BESIDE)?;
     run::check_options(&options).map_err(worded)?;
     let folder = args.to.reserve(options.experiment.as_str())?;
     let beginning = Beginning::Anew { force: args.to.force, words: super::resume::words() };
-    run_in(args, &options, folder.path(), beginning)
+    run_in((args, view), &options, folder.path(), beginning)
 }
 
 fn run_in(
-    args: &RunArgs,
+    (args, view): (&RunArgs, &ViewArgs),
     options: &RunOptions,
     folder: &Path,
     beginning: Beginning,
@@ -64,8 +77,10 @@ fn run_in(
         }
     }
     let progress = Progress::new(options.rig_seconds(), args.quiet);
+    let view = view.of_bags("run", options.experiment.as_str(), &cancel, &progress, args.quiet)?;
     let outcome = run::execute_in(options, folder, beginning, &progress, &cancel);
     progress.finish();
+    drop(view);
     let outcome = outcome.map_err(|error| {
         if Journal::is_in(folder) && !matches!(error, RunError::Resume { .. }) {
             eprintln!("what was measured is kept{}", super::resume::hint(folder));

@@ -15,6 +15,8 @@ use experiment_runner::server::node::Runner;
 use experiment_runner::server::parameters::RunnerParameters;
 use rig_setup::RigChoice;
 
+use crate::viewing::{Heard, NodesView, Shown, ViewArgs, refused};
+
 /// Run experiments for whoever asks over ROS 2
 ///
 /// Offers the action /experiment_runner/run_experiment and the services start_experiment,
@@ -51,6 +53,9 @@ pub struct ServeArgs {
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath,
         default_value = USUAL.inputs.as_str(), hide_default_value = true, help = meaning("inputs"))]
     pub inputs: String,
+    /// The view.
+    #[command(flatten)]
+    pub view: ViewArgs,
     /// Print nothing but errors
     #[arg(long)]
     pub quiet: bool,
@@ -127,6 +132,18 @@ fn serve(
     let permissions =
         permissions.with_profile(profile.map(|(file, _)| (chosen.rig.clone(), file.clone())));
     let runner = Runner::new(&node, permissions, usual)?;
+    let view = args.view.options("serve").map(|options| {
+        let discovery = *discovery;
+        let join = move || {
+            Participant::join_with(
+                &discovery,
+                Arguments::default().or_enclave("/experiment_runner"),
+            )
+        };
+        let shown = Shown { heard: Heard::Network, experiments: true };
+        NodesView::open(&options, &participant, shown, Box::new(join))
+    });
+    let view = view.transpose().map_err(refused)?;
     let middleware = Watch::start(stop).context("no thread can be started")?;
     if !args.quiet {
         work::saying::print(&format!(
@@ -134,11 +151,15 @@ fn serve(
             discovery.domain, chosen.rig, args.runs
         ))?;
     }
+    if let Some(view) = &view {
+        eprintln!("{}", view.words());
+    }
     while !middleware.stop().wait(Duration::from_secs(1)) {}
     let lost = middleware.end().filter(|_| !stop.is_set());
     // In this order: the experiment ends and its result is sent, then the node leaves, then the
     // participant.
     drop(runner);
+    drop(view);
     drop(node);
     drop(participant);
     Ok(lost)

@@ -49,7 +49,7 @@ use period_errors::PeriodErrors;
 use publishing::{Nodes, RunnerSide};
 use recording::Recorded;
 
-use crate::viewing::NodesView;
+use crate::viewing::{Heard, NodesView, Shown};
 
 use ::recording::bag::{BagOptions, BagWriter};
 use experiment_runner::compensation::Means;
@@ -170,7 +170,8 @@ pub fn run(
             let arguments = arguments.clone();
             let join =
                 move || Participant::join_with(&discovery, arguments.clone().or_enclave("/live"));
-            NodesView::open(view, &participant, options.serve.is_some(), Box::new(join))
+            let shown = Shown { heard: Heard::Inside, experiments: options.serve.is_some() };
+            NodesView::open(view, &participant, shown, Box::new(join))
         })
         .transpose()?;
     let bag = options.bag()?;

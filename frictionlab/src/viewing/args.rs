@@ -1,49 +1,92 @@
-//! The options of a view, and the lines that tell where it is.
+//! The options of a view.
 
 use std::net::{IpAddr, Ipv4Addr};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
-use view::{View, ViewOptions};
+use view::{ViewError, ViewOptions};
+use work::BadInput;
+use work::progress::Progress;
 
-/// Options of a view.
+use super::bags::BagsView;
+
+/// Options of a view of what a command does.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct ViewArgs {
     /// Show what goes on in a browser on this machine, and steer it from there; viewers that speak
     /// Foxglove's WebSocket protocol connect to the same port
     #[arg(long)]
     pub view: bool,
-    /// With --view: the port [default: 8765, or the next free one]
-    #[arg(long, value_name = "PORT", requires = "view")]
+    /// Where it is.
+    #[command(flatten)]
+    pub place: ViewPlace,
+}
+
+/// Where a view is.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub struct ViewPlace {
+    /// The view's port [default: 8765, or the next free one]
+    #[arg(long, value_name = "PORT")]
     pub view_port: Option<u16>,
-    /// With --view: listen on this address of this machine, for whoever has the token that is
+    /// Let the view listen on this address of this machine, for whoever has the token that is
     /// printed then [default: 127.0.0.1, without a token]
-    #[arg(long, value_name = "ADDRESS", requires = "view")]
+    #[arg(long, value_name = "ADDRESS")]
     pub view_address: Option<IpAddr>,
-    /// With --view: a page from elsewhere that may connect, as https://app.foxglove.dev. May be
+    /// A page from elsewhere that may connect to the view, as https://app.foxglove.dev. May be
     /// given several times
-    #[arg(long, value_name = "URL", requires = "view")]
+    #[arg(long, value_name = "URL")]
     pub view_origin: Vec<String>,
 }
 
 impl ViewArgs {
-    /// What the view is to be, if there is to be one.
+    /// What the view is to be, if there is to be one: whoever says where it is wants it.
     #[must_use]
     pub fn options(&self, name: &str) -> Option<ViewOptions> {
-        self.view.then(|| ViewOptions {
+        let ViewPlace { view_port, view_address, view_origin } = &self.place;
+        let placed = view_port.is_some() || view_address.is_some() || !view_origin.is_empty();
+        (self.view || placed).then(|| self.place.options(name))
+    }
+}
+
+impl ViewPlace {
+    /// What the view is to be.
+    #[must_use]
+    pub fn options(&self, name: &str) -> ViewOptions {
+        ViewOptions {
             address: self.view_address.unwrap_or(Ipv4Addr::LOCALHOST.into()),
             port: self.view_port,
             origins: self.view_origin.clone(),
             name: format!("frictionlab {name}"),
-        })
+        }
     }
 }
 
-/// Where a view is, in words for people.
-#[must_use]
-pub fn words(view: &View) -> String {
-    match view.urls() {
-        (page, None) => format!("view: {page}"),
-        (page, Some(read_only)) => {
-            format!("view: {page}\nview for those who only look: {read_only}")
+impl ViewArgs {
+    /// Opens the view that is asked for, of work called `what` that sets `stop` when a viewer wants
+    /// it to end, and tells on standard error where it is.
+    ///
+    /// # Errors
+    /// [`BadInput`] if the port is taken.
+    pub fn of_bags(
+        &self,
+        command: &str,
+        what: &str,
+        stop: &Arc<AtomicBool>,
+        progress: &Progress,
+        quiet: bool,
+    ) -> anyhow::Result<Option<BagsView>> {
+        let Some(options) = self.options(command) else { return Ok(None) };
+        let view = BagsView::open(&options, what, stop, progress).map_err(worded)?;
+        // A token is told once, also where nothing else is.
+        if !quiet || !options.address.is_loopback() {
+            eprintln!("{}", view.words());
         }
+        Ok(Some(view))
     }
+}
+
+/// A view that cannot be opened, as the command tells it.
+#[must_use]
+pub fn worded(error: ViewError) -> anyhow::Error {
+    if error.is_bad_input() { BadInput(error.to_string()).into() } else { error.into() }
 }

@@ -1,65 +1,83 @@
-//! What nodes of this process say, on channels.
+//! What nodes say, on channels: of this process where they publish it, of others over DDS.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use msgs::RosMessage;
 use msgs::topics::{self, Topic};
+use msgs::{RosMessage, cdr};
 use ros_node::{Inside, Listener, LogLevel, Named, Participant, RosNode, RosNodeError};
 use serde_json::json;
 use view::{Channel, ChannelId, Hub};
 
-/// Channels by their topics.
-type Known = BTreeMap<String, (ChannelId, bool)>;
+use super::clock::now_ns;
+use super::topics::channel;
 
-/// Offers all topics of the laboratory and the log, and fills them with what this process says.
+/// Which nodes are heard.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Heard {
+    /// Those of this process, without the network.
+    Inside,
+    /// Those of any process.
+    Network,
+}
+
+/// Offers all topics of the laboratory and the log, and fills them with what nodes say.
 ///
 /// # Errors
-/// [`RosNodeError::Name`] if a topic cannot be called so.
+/// [`RosNodeError`] if the middleware refuses.
 pub(super) fn open(
     participant: &Participant,
     node: &RosNode,
     hub: &Hub,
+    heard: Heard,
 ) -> Result<(), RosNodeError> {
-    let mut known = Known::new();
-    offer(hub, node, &topics::JOINT_STATES, &mut known)?;
-    offer(hub, node, &topics::RIG_MEASUREMENT, &mut known)?;
-    offer(hub, node, &topics::REFERENCE, &mut known)?;
-    offer(hub, node, &topics::MOTOR_VOLTAGE, &mut known)?;
-    offer(hub, node, &topics::FRICTION_ESTIMATE, &mut known)?;
-    offer(hub, node, &topics::CONTROLLER_STATE, &mut known)?;
-    offer(hub, node, &topics::EXPERIMENT_STATUS, &mut known)?;
-    offer(hub, node, &topics::DIAGNOSTICS, &mut known)?;
-    let log = hub.offer(Channel {
-        topic: "/rosout".to_owned(),
-        latched: false,
-        ..Channel::latched_json("/rosout", "foxglove.Log")
-    });
+    let mut offers = Offers { node, hub, heard, known: BTreeMap::new() };
+    offers.offer(&topics::JOINT_STATES)?;
+    offers.offer(&topics::RIG_MEASUREMENT)?;
+    offers.offer(&topics::REFERENCE)?;
+    offers.offer(&topics::MOTOR_VOLTAGE)?;
+    offers.offer(&topics::FRICTION_ESTIMATE)?;
+    offers.offer(&topics::CONTROLLER_STATE)?;
+    offers.offer(&topics::EXPERIMENT_STATUS)?;
+    offers.offer(&topics::DIAGNOSTICS)?;
+    let log =
+        hub.offer(Channel { latched: false, ..Channel::latched_json("/rosout", "foxglove.Log") });
+    let known = offers.known;
     participant.listen_inside(listener(hub.clone(), known, log));
     Ok(())
 }
 
-fn offer<M: RosMessage>(
-    hub: &Hub,
-    node: &RosNode,
-    topic: &Topic<M>,
-    known: &mut Known,
-) -> Result<(), RosNodeError> {
-    let name = node.resolve(Named::Topic, topic.name_in_namespace())?;
-    let id = hub.offer(channel(&name, topic));
-    known.insert(name, (id, topic.qos.transient_local));
-    Ok(())
+/// Channels by their topics, and whether who comes late gets the last message.
+type Known = BTreeMap<String, (ChannelId, bool)>;
+
+struct Offers<'a> {
+    node: &'a RosNode,
+    hub: &'a Hub,
+    heard: Heard,
+    /// What is heard inside.
+    known: Known,
 }
 
-/// The channel of a topic.
-pub(super) fn channel<M: RosMessage>(name: &str, topic: &Topic<M>) -> Channel {
-    Channel {
-        topic: name.to_owned(),
-        encoding: "cdr".to_owned(),
-        schema_name: M::type_name(),
-        schema_encoding: "ros2msg".to_owned(),
-        schema: M::schema(),
-        latched: topic.qos.transient_local,
+impl Offers<'_> {
+    fn offer<M: RosMessage + msgs::Payload>(
+        &mut self,
+        topic: &Topic<M>,
+    ) -> Result<(), RosNodeError> {
+        let name = self.node.resolve(Named::Topic, topic.name_in_namespace())?;
+        let id = self.hub.offer(Channel { topic: name.clone(), ..channel(topic) });
+        let latched = topic.qos.transient_local;
+        if self.heard == Heard::Inside {
+            self.known.insert(name, (id, latched));
+            return Ok(());
+        }
+        let hub = self.hub.clone();
+        self.node.subscribe(topic, move |message: M| {
+            if (latched || hub.viewers() > 0)
+                && let Ok(bytes) = cdr::encode(&message)
+            {
+                hub.publish(id, now_ns(), &bytes);
+            }
+        })
     }
 }
 

@@ -1,27 +1,42 @@
-//! The view of a running loop: `--view`.
+//! The view of what a command does: `--view`, and `view BAG`.
 //!
-//! The crate `view` serves the page and the socket and knows no ROS. Here are the two ways between
-//! it and the nodes. What they say is heard where they publish it, inside the process
-//! ([`channels`]); what a viewer asks for goes through their services, parameters and topics as
-//! anybody's requests do ([`asking`], [`services`]): the same limits, the same lifecycle, the same
-//! age of commands. The control thread knows nothing of a view.
+//! The crate `view` serves the page and the socket and knows no ROS. Here is what it shows and whom
+//! it asks:
+//!
+//! - [`NodesView`]: running nodes. What those of this process say is heard where they publish it,
+//!   what others say over DDS (`channels`). What a viewer asks for goes through services,
+//!   parameters and topics (`services`, `settings`, `asking`), as anybody's requests do: the same
+//!   limits, the same lifecycle, the same age of commands. The control thread knows nothing of a
+//!   view;
+//! - [`BagsView`]: work without nodes, by what it writes into its bag;
+//! - [`Player`]: a recording.
 
 mod args;
 #[cfg(feature = "ros")]
 mod asking;
+mod bags;
 #[cfg(feature = "ros")]
 mod channels;
+mod clock;
 #[cfg(feature = "ros")]
 mod curve;
 #[cfg(feature = "ros")]
 mod json;
 #[cfg(feature = "ros")]
 mod nodes;
+mod player;
 #[cfg(feature = "ros")]
 mod services;
 #[cfg(feature = "ros")]
 mod settings;
+mod topics;
+mod words;
 
-pub use args::{ViewArgs, words};
+pub use args::{ViewArgs, ViewPlace, worded};
+pub use bags::BagsView;
 #[cfg(feature = "ros")]
-pub use nodes::{NodesView, NodesViewError};
+pub use channels::Heard;
+#[cfg(feature = "ros")]
+pub use nodes::{Join, NodesView, NodesViewError, Shown, refused};
+pub use player::Player;
+pub use words::words;

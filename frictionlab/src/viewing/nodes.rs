@@ -1,4 +1,4 @@
-//! A view of the nodes of this process.
+//! A view of running nodes.
 
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
@@ -8,20 +8,34 @@ use std::time::Duration;
 use ros_node::parameters::Parameters;
 use ros_node::{Participant, RosNodeError};
 use view::{Hub, View, ViewError, ViewOptions};
+use work::BadInput;
 
-use super::asking::{Asking, Join, Publishing};
-use super::settings::{Settings, now_ns};
-use super::{channels, services};
+pub use super::asking::Join;
+use super::asking::{Asking, Publishing};
+use super::channels::{self, Heard};
+use super::clock::now_ns;
+use super::services;
+use super::settings::Settings;
+use super::words::words;
 
-/// How often the nodes are asked for their parameters.
+/// How often the nodes are asked for their parameters, and viewers told the time.
 const AGAIN: Duration = Duration::from_secs(1);
+
+/// What a view shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shown {
+    /// Whose messages.
+    pub heard: Heard,
+    /// `/experiment_runner` takes requests.
+    pub experiments: bool,
+}
 
 /// A view with the node through which it asks, `/view`. Dropped, it ends.
 pub struct NodesView {
     /// Goes first: nobody asks any more.
     view: Option<View>,
     poke: Option<Sender<()>>,
-    watching: Option<JoinHandle<()>>,
+    watching: Vec<JoinHandle<()>>,
 }
 
 /// What keeps a view from opening.
@@ -50,51 +64,73 @@ impl NodesViewError {
     }
 }
 
+/// A view that cannot be opened, as the command tells it.
+#[must_use]
+pub fn refused(error: NodesViewError) -> anyhow::Error {
+    if error.is_bad_input() { BadInput(error.to_string()).into() } else { error.into() }
+}
+
 impl NodesView {
-    /// Opens a view of the nodes of this participant; with `experiments`, of `/experiment_runner`
-    /// too. `join` joins the network once more, for what people at a page say themselves.
+    /// Opens a view of nodes that this participant hears. `join` joins the network once more, for
+    /// what people at a page say themselves.
     ///
     /// # Errors
     /// [`NodesViewError`] if the port is taken, or the middleware or the system refuses.
     pub fn open(
         options: &ViewOptions,
         participant: &Participant,
-        experiments: bool,
+        shown: Shown,
         join: Join,
     ) -> Result<Self, NodesViewError> {
         let hub = Hub::default();
         let node = Arc::new(participant.node("view")?);
         Parameters::usual(&node)?;
-        channels::open(participant, &node, &hub)?;
+        channels::open(participant, &node, &hub, shown.heard)?;
         let names = ["rig_driver", "friction_observer", "controller"];
-        let settings = Arc::new(Settings::new(&node, &names, &hub)?);
+        let settings = Arc::new(Settings::new(&node, &names, &hub, shown.heard)?);
         let (poke, poked) = channel();
         let asking = Asking {
-            offers: services::all(&node, experiments)?,
+            offers: services::all(&node, shown.experiments)?,
             settings: Arc::clone(&settings),
             publishing: Publishing::new(node, join),
             poke: Mutex::new(poke.clone()),
         };
         let view = View::start(options, hub.clone(), Arc::new(asking))?;
-        let watch = move || {
-            // The last sender goes with the view.
+        let mut opened = Self { view: Some(view), poke: Some(poke), watching: Vec::new() };
+        let (ends, ended) = channel::<()>();
+        let told = hub.clone();
+        opened.watch("view settings", move || {
+            // The last sender goes with the view, and `ends` with this thread.
+            let _ends = ends;
             while !matches!(poked.recv_timeout(AGAIN), Err(RecvTimeoutError::Disconnected)) {
                 while poked.try_recv().is_ok() {}
-                hub.time(now_ns());
                 if hub.viewers() > 0 {
                     settings.refresh();
                 }
             }
-        };
-        let watching = thread::Builder::new().name("view settings".into()).spawn(watch);
-        let watching = Some(watching.map_err(NodesViewError::Thread)?);
-        Ok(Self { view: Some(view), poke: Some(poke), watching })
+        })?;
+        opened.watch("view time", move || {
+            while !matches!(ended.recv_timeout(AGAIN), Err(RecvTimeoutError::Disconnected)) {
+                told.time(now_ns());
+            }
+        })?;
+        Ok(opened)
+    }
+
+    fn watch(
+        &mut self,
+        name: &str,
+        run: impl FnOnce() + Send + 'static,
+    ) -> Result<(), NodesViewError> {
+        let thread = thread::Builder::new().name(name.to_owned()).spawn(run);
+        self.watching.push(thread.map_err(NodesViewError::Thread)?);
+        Ok(())
     }
 
     /// Where it is, in words for people.
     #[must_use]
     pub fn words(&self) -> String {
-        self.view.as_ref().map(super::words).unwrap_or_default()
+        self.view.as_ref().map(words).unwrap_or_default()
     }
 }
 
@@ -102,8 +138,8 @@ impl Drop for NodesView {
     fn drop(&mut self) {
         drop(self.view.take());
         drop(self.poke.take());
-        if let Some(watching) = self.watching.take() {
-            let _ = watching.join();
+        for thread in self.watching.drain(..) {
+            let _ = thread.join();
         }
     }
 }

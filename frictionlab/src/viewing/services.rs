@@ -17,10 +17,13 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// Longest wait for the end of what runs.
 const ENDING: Duration = Duration::from_secs(35);
 
+/// Asks, and waits for the answer.
+type Ask = Box<dyn Fn(&Value) -> Result<Value, String> + Send + Sync>;
+
 /// A service, and how it is asked.
 pub(super) struct Offer {
     pub(super) service: Service,
-    ask: Box<dyn Fn(&Value) -> Result<Value, String> + Send + Sync>,
+    ask: Ask,
 }
 
 impl Offer {

@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::Duration;
 
-use ros_node::{Described, ParameterValue, RemoteParameters, RosNode, RosNodeError};
+use ros_node::{Described, Graph, ParameterValue, RemoteParameters, RosNode, RosNodeError};
 use serde_json::{Value, json};
 use view::{Channel, ChannelId, Hub, Parameter};
 
+use super::channels::Heard;
+use super::clock::now_ns;
 use super::{curve, json};
 
 /// Longest wait for a node that is asked now and then.
@@ -23,6 +25,8 @@ pub(super) struct Settings {
     document: ChannelId,
     curve: ChannelId,
     nodes: Vec<(String, RemoteParameters)>,
+    /// Who is there, where that may be nobody: then nobody is asked in vain.
+    graph: Option<Graph>,
     known: Mutex<BTreeMap<String, Known>>,
 }
 
@@ -35,7 +39,12 @@ struct Known {
 
 impl Settings {
     /// Of nodes that the code calls so.
-    pub(super) fn new(node: &RosNode, names: &[&str], hub: &Hub) -> Result<Self, RosNodeError> {
+    pub(super) fn new(
+        node: &RosNode,
+        names: &[&str],
+        hub: &Hub,
+        heard: Heard,
+    ) -> Result<Self, RosNodeError> {
         let namespace = node.identity().namespace.trim_end_matches('/').to_owned();
         let nodes = names
             .iter()
@@ -49,6 +58,7 @@ impl Settings {
             curve: hub.offer(Channel::latched_json("/view/curve", "view.Curve")),
             hub: hub.clone(),
             nodes,
+            graph: (heard == Heard::Network).then(|| node.watch_graph()).transpose()?,
             known: Mutex::default(),
         })
     }
@@ -57,7 +67,7 @@ impl Settings {
     pub(super) fn refresh(&self) {
         let mut changed = Vec::new();
         let mut anything = false;
-        for (name, remote) in &self.nodes {
+        for (name, remote) in self.nodes.iter().filter(|(name, _)| self.is_there(name)) {
             let before = self.known().get(name).cloned().unwrap_or_default();
             let Some(now) = ask(remote, before.described.clone()) else { continue };
             if now == before {
@@ -75,6 +85,10 @@ impl Settings {
             self.hub.changed(&changed);
             self.tell();
         }
+    }
+
+    fn is_there(&self, name: &str) -> bool {
+        self.graph.as_ref().is_none_or(|graph| graph.nodes().iter().any(|node| node.name == name))
     }
 
     /// The document with all parameters, and the curve.
@@ -164,9 +178,4 @@ fn row(one: &Described, known: &Known) -> Value {
         "readOnly": one.read_only,
         "range": one.range.map(|(low, high)| [low, high]),
     })
-}
-
-pub(super) fn now_ns() -> u64 {
-    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    u64::try_from(now.as_nanos()).unwrap_or(u64::MAX)
 }

@@ -26,10 +26,12 @@
 
 mod error;
 mod guard;
+mod heard;
 mod mcap_file;
 mod metadata;
 mod options;
 mod output;
+mod playing;
 mod read_at;
 mod reader;
 mod recover;
@@ -52,7 +54,9 @@ pub use error::BagError;
 /// How the files of a bag end.
 pub(crate) const ENDINGS: [&str; 5] = [".mcap", ".mcap.zstd", ".mcap.zst", ".db3", ".db3.zstd"];
 
+pub use heard::{Listener, listen};
 pub use options::{BagOptions, BagSummary, Compression};
+pub use playing::{RecordedMessage, RecordedTopic};
 pub use reader::BagReader;
 pub use recover::{Recovery, cut_bags, is_cut, recover};
 pub use remove::remove;

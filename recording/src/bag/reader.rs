@@ -30,15 +30,15 @@ use super::{
 #[derive(Debug)]
 pub struct BagReader {
     path: PathBuf,
-    files: Vec<OpenFile>,
+    pub(super) files: Vec<OpenFile>,
     databases: Vec<Database>,
     topics: Vec<TopicInfo>,
 }
 
 #[derive(Debug)]
-struct OpenFile {
-    file: McapFile,
-    summary: Summary,
+pub(super) struct OpenFile {
+    pub(super) file: McapFile,
+    pub(super) summary: Summary,
 }
 
 impl BagReader {
@@ -230,7 +230,7 @@ impl BagReader {
     }
 }
 
-fn damaged(path: &Path, error: McapError) -> BagError {
+pub(super) fn damaged(path: &Path, error: McapError) -> BagError {
     match error {
         McapError::Io(source)
             if source.kind() != io::ErrorKind::UnexpectedEof && source.raw_os_error().is_some() =>
@@ -318,17 +318,20 @@ fn summary(file: &mut (impl Read + Seek), size: u64) -> McapResult<Option<Summar
 }
 
 /// A chunk whose checksum is wrong is damaged: what it says is not believed.
-fn options() -> LinearReaderOptions {
+pub(super) fn options() -> LinearReaderOptions {
     LinearReaderOptions::default()
         .with_record_length_limit(LARGEST_RECORD)
         .with_validate_chunk_crcs(true)
 }
 
 /// Messages as they come.
-type Messages = MessageReader<BufReader<Take<Box<dyn ReadAt>>>>;
+pub(super) type Messages = MessageReader<BufReader<Take<Box<dyn ReadAt>>>>;
 
 /// The messages of a file as long as it was when it was opened: one that grows comes to an end.
-fn message_reader(file: &McapFile, options: LinearReaderOptions) -> Result<Messages, BagError> {
+pub(super) fn message_reader(
+    file: &McapFile,
+    options: LinearReaderOptions,
+) -> Result<Messages, BagError> {
     let (bytes, length) = file.read()?;
     let bytes = BufReader::with_capacity(1 << 18, bytes.take(length));
     Ok(MessageReader::new_with_options(bytes, options))

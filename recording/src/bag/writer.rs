@@ -10,7 +10,7 @@ use mcap::records::MessageHeader;
 use msgs::{RosMessage, cdr, topics};
 
 use super::{
-    BagError, BagOptions, BagSummary,
+    BagError, BagOptions, BagSummary, heard,
     metadata::{TopicEntry, entry_of, qos_yaml},
     output::{Close, Output},
 };
@@ -155,6 +155,7 @@ impl BagWriter {
             publish_time: stamp_ns,
         };
         self.output.message(channel.id, &header, bytes)?;
+        heard::hear(&channel.entry.name, stamp_ns, bytes);
         channel.entry.count += 1;
         channel.sequence = sequence.wrapping_add(1);
         Ok(())

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::hub::{Channel, ChannelId};
+use crate::channel::{Channel, ChannelId};
 use crate::{Access, Parameter, Service};
 
 /// Level of a status: something went wrong.
