@@ -25,10 +25,13 @@ struct Live {
 
 impl Live {
     fn start(folder: &Path, port: &str, more: &[&str]) -> Self {
+        let loop_of_its_own = ["live", "--view", "--view-port", port, "--force", "--out", "out"];
+        Self::start_command(folder, &[&loop_of_its_own, more].concat())
+    }
+
+    fn start_command(folder: &Path, words: &[&str]) -> Self {
         let mut program: Child = tests::frictionlab()
-            .args(["live", "--view", "--view-port", port, "--force", "--out"])
-            .arg(folder.join("out"))
-            .args(more)
+            .args(words)
             .current_dir(folder)
             .env("ROS_DOMAIN_ID", "77")
             .stdin(Stdio::null())
@@ -40,7 +43,7 @@ impl Live {
             let mut line = String::new();
             let count = lines.read_line(&mut line).expect("its output");
             assert!(count > 0, "it ended without a view");
-            if let Some(url) = line.strip_prefix("view: ") {
+            if let Some((_, url)) = line.split_once("view: ") {
                 break url.trim().to_owned();
             }
         };
@@ -301,4 +304,69 @@ fn inside_experiment() {
     tab.until(
         "!document.getElementById('experiment-status').textContent.startsWith('characterise')",
     );
+}
+
+#[tests::needs(chromium, namespace)]
+#[test]
+fn a_recording_is_played_and_sought() {
+    inside("inside_recording");
+}
+
+#[test]
+#[ignore = "in a network namespace only"]
+fn inside_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = tests::frictionlab()
+        .args(["live", "--quiet", "--duration", "4", "--out", "out"])
+        .current_dir(folder.path())
+        .env("ROS_DOMAIN_ID", "77")
+        .output()
+        .unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let played = Live::start_command(folder.path(), &["view", "out/bag", "--view-port", "0"]);
+    let mut tab = page(&played);
+    assert_eq!(tab.evaluate("document.getElementById('player').hidden"), false);
+    // Nothing can be steered but the recording.
+    assert_eq!(tab.evaluate("document.getElementById('steering').hidden"), true);
+    tab.until("document.getElementById('play').textContent === 'Play'");
+    let at = "parseFloat(document.getElementById('seek-said').textContent)";
+    tab.until(&format!("{at} > 3"));
+    tab.click("#play");
+    tab.until(&format!("{at} < 2 && document.getElementById('play').textContent === 'Pause'"));
+    tab.until("parseInt(document.getElementById('stribeck-said').textContent) > 100");
+    tab.click("#play");
+    tab.until("document.getElementById('play').textContent === 'Play'");
+    tab.evaluate(
+        "(() => { const seek = document.getElementById('seek'); seek.value = '3';
+         seek.dispatchEvent(new Event('input')); seek.dispatchEvent(new Event('change')); })()",
+    );
+    tab.until(&format!("{at} === 3"));
+    assert_eq!(tab.complaints(), [""; 0]);
+}
+
+#[tests::needs(chromium, namespace)]
+#[test]
+fn launched_nodes_are_seen_and_stopped() {
+    inside("inside_launched");
+}
+
+#[test]
+#[ignore = "in a network namespace only"]
+fn inside_launched() {
+    let folder = tempfile::tempdir().unwrap();
+    let words = ["launch", "namespace:=axis_1", "--view-port", "0"];
+    let launched = Live::start_command(folder.path(), &words);
+    let mut tab = page(&launched);
+    rig_is(&mut tab, "active");
+    tab.until("parseInt(document.getElementById('stribeck-said').textContent) > 500");
+    tab.until("document.getElementById('curve-model').textContent === '(proposed)'");
+    tab.evaluate(
+        "document.querySelectorAll('#parameters details').forEach((one) => one.open = true)",
+    );
+    tab.until("document.querySelector('[data-name=\"reference_timeout\"]')");
+    set(&mut tab, "reference_timeout", "0.7");
+    tab.until(&format!("{} === 'reference_timeout is 0.7'", said("reference_timeout")));
+    tab.press("Escape");
+    rig_is(&mut tab, "emergency stop");
+    launched.end();
 }
