@@ -149,6 +149,12 @@ pub fn control(
     let of_arm = errors.iter().position(|(one, _)| *one == arm);
     let level = of_arm.map_or(1.0, |place| level_now(1.0, &heard[place]));
     let bed = bed.leveled(level).sticking(stuck)?;
+    // A load behind a play lets the integral go back and forth in it for ever, now and then only.
+    let bed = if drive.seems_early() {
+        bed.resting(bed.resting_angle().max(hunting::smallest(bed.encoder_step())))
+    } else {
+        bed
+    };
     let fed = fed_back_errors.as_ref().filter(|(_, fed)| is_better(fed, arm, &errors));
     let fed_bed = fed.map(|(fed, _)| bed.feeding_back(Some(*fed)));
     let looks = |most| Looks { later, sure: RESTED, most };

@@ -20,7 +20,9 @@ pub fn rests(held: &[f64], encoder_step: f64) -> bool {
     swings(held, smallest(encoder_step)) <= RESTS
 }
 
-fn smallest(encoder_step: f64) -> f64 {
+/// The smallest swing \[rad\] that counts, for an encoder of that step \[rad\].
+#[must_use]
+pub fn smallest(encoder_step: f64) -> f64 {
     (COUNTS * encoder_step).max(SMALLEST)
 }
 

@@ -51,6 +51,25 @@ fn strange_machines_are_commissioned_within_their_limits_and_their_parameters_li
     );
 }
 
+/// A load behind a play: the shaft rested after each of the moves of the commission and of the proof,
+/// and hunted after a later one.
+#[test]
+fn a_load_behind_a_play_rests_after_the_hand_over() {
+    installed();
+    let folder = tempfile::tempdir().unwrap();
+    let asked = Trial {
+        machines: 1,
+        seed: 412_057,
+        wanted: Wanted::default(),
+        allowed: 600.0,
+        protocol: None,
+    };
+    let progress = Progress::new(1.0, true);
+    let found = table(&trial(&asked, folder.path(), &Arc::default(), &progress).unwrap());
+    assert_eq!(found.commissioned, 1.0, "{found}");
+    assert_eq!(found.hunting.0, 0, "{found}");
+}
+
 /// The commission of a machine whose file is in `folder`, and its place.
 fn asked(machine: &Machine, folder: &Path, name: &str) -> (Asked, String) {
     let file = folder.join(format!("{name}.json"));

@@ -10,6 +10,7 @@ use crate::bed::{Arm, Stuck};
 use crate::control::Control;
 use crate::friction::wanted::Wanted;
 use crate::friction::{Ending, Friction};
+use crate::hunting::smallest;
 use crate::noticed::by_hand;
 use crate::travel::TravelAsked;
 
@@ -243,6 +244,14 @@ pub(super) fn rest(found: &Found) -> String {
             "after a move the shaft rests; the integral stands still within one count of the encoder, {} mrad (`resting_angle`)",
             mrad(angle)
         ),
+        (true, true)
+            if found.drive.seems_early() && angle <= smallest(found.drive.encoder_step) =>
+        {
+            format!(
+                "after a move the shaft rests; {}, because a play may set it swinging",
+                costs(angle)
+            )
+        }
         (true, true) => {
             format!("after a move the shaft rests, because {}; without that it hunts", costs(angle))
         }
