@@ -12,7 +12,7 @@ use work::BadInput;
 use crate::interruption;
 use crate::viewing::{Player, ViewPlace, worded, words};
 
-/// Play a bag in the browser: curves, friction planes, seek and speed
+/// Play a bag in the browser, with seek and speed
 ///
 /// Viewers that speak Foxglove's WebSocket protocol connect to the same port and get every topic of
 /// the bag. Ctrl-C ends it.
