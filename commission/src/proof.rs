@@ -21,6 +21,9 @@ use crate::{CommissionError, Ranged, Stage, hunting};
 const PAIRS: usize = 4;
 /// Pairs that do where a warm motor took the time for more.
 const FEWEST: usize = 3;
+/// Long holds at most, and their part that counts \[s\].
+const LONGER: usize = 4;
+const LONG: (f64, f64) = (4.0, 16.0);
 /// Pairs of moves.
 const MOVES: usize = 3;
 /// Pairs of the end by which the friction is told as it is now.
@@ -142,7 +145,8 @@ pub fn proof(axis: &mut Axis<'_>, bed: &Bed, arm: Arm) -> Result<Proof, Commissi
     }
     let (moves, farthest) = moves(axis, &bench, bed, arm)?;
     let hunted = moves.as_ref().is_some_and(|moves| moves.hunted.1 > 0);
-    let calmed = if hunted {
+    let swung = if hunted { Some(farthest) } else { held_longer(axis, &bench, bed, arm)? };
+    let calmed = if let Some(farthest) = swung {
         let angle = (LEFT * farthest).max(LARGER * bed.resting_angle());
         let looks = Looks { later: 0.0, sure: 0, most: HOLDS };
         let what = (Stage::Proof, arm);
@@ -158,6 +162,29 @@ pub fn proof(axis: &mut Axis<'_>, bed: &Bed, arm: Arm) -> Result<Proof, Commissi
         Some(_) => bed.level(),
     };
     Ok(Proof { arm, pairs, ratio, moves, drift, level, calmed })
+}
+
+/// Holds for longer in the time that is left: a shaft may rest after some moves and hunt after
+/// others. The most that was missed where it hunted.
+fn held_longer(
+    axis: &mut Axis<'_>,
+    bench: &Bench,
+    bed: &Bed,
+    arm: Arm,
+) -> Result<Option<f64>, CommissionError> {
+    for hold in 0..LONGER {
+        // What helps has to be looked at too.
+        if axis.left() < 3.0 * (REST + LONG.1) + SPARE {
+            break;
+        }
+        axis.say(Stage::Proof, &format!("move and hold, {} of {LONGER}", hold + 1));
+        let forward = hold.is_multiple_of(2);
+        let held = bed.move_and_hold(axis, bench, Stage::Proof, (arm, forward), LONG)?;
+        if hunting::hunts(&held, bed.encoder_step()) {
+            return Ok(Some(held.iter().map(|error| error.abs()).fold(0.0, f64::max)));
+        }
+    }
+    Ok(None)
 }
 
 /// What is done by the linear gains alone, and what by `arm`; which comes first changes with `pair`.
