@@ -32,9 +32,13 @@ pub struct ViewPlace {
     /// printed then [default: 127.0.0.1, without a token]
     #[arg(long, value_name = "ADDRESS")]
     pub view_address: Option<IpAddr>,
-    /// A page from elsewhere that may connect to the view, as https://app.foxglove.dev. May be
-    /// given several times
-    #[arg(long, value_name = "URL")]
+    /// Pages from elsewhere that may connect to the view.
+    #[arg(
+        long,
+        value_name = "URL",
+        help = "A page from elsewhere that may connect to the view, as https://app.foxglove.dev. May be \
+                given several times"
+    )]
     pub view_origin: Vec<String>,
 }
 
