@@ -1,6 +1,6 @@
 //! What an identification leaves open: parameters drawn together as likely as the recordings leave
-//! them ([`samples`]), tables of them for simulators ([`randomisation`]), and whether two
-//! identifications differ ([`compare`]). All of it is worked out of `identification.json`, so that it
+//! them ([`mod@samples`]), tables of them for simulators ([`randomisation`]), and whether two
+//! identifications differ ([`mod@compare`]). All of it is worked out of `identification.json`, so that it
 //! can be asked of what was found long ago.
 
 pub mod compare;
