@@ -56,7 +56,7 @@ def ask(result):
 
 
 def over_live(calls, watch, program, out, report):
-    live = subprocess.Popen([program, "live", "--reference", "ros", "--quiet", "--out", str(out / "live")])
+    live = subprocess.Popen([program, "live", "--reference", "ros", "--quiet", "--out", str(out / "live")], stdout=sys.stderr)
     assert calls.until(lambda: watch.last is not None, 20.0), "the live rig is not heard"
     report["over_live"] = watch.finish(run(program, out / "over_live"))
     live.send_signal(signal.SIGINT)
@@ -86,7 +86,8 @@ def main():
         report["compensation_left"] = calls.get("/controller", "compensation", "mode")
 
         # A node that dies in the middle.
-        server = subprocess.Popen([program, "serve", "--quiet", "--runs", str(out / "served")])
+        # What this program prints is the report alone.
+        server = subprocess.Popen([program, "serve", "--quiet", "--runs", str(out / "served")], stdout=sys.stderr)
         asking = ask(out / "result.json")
         watch.until_moving()
         calls.spin(2.0)

@@ -74,7 +74,8 @@ fn an_experiment_over_the_nodes_is_the_one_of_a_single_process_and_ends_well_wha
         .output()
         .expect("unshare starts");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let report: Value = serde_json::from_slice(&output.stdout)
+        .unwrap_or_else(|error| panic!("{error}: {}", String::from_utf8_lossy(&output.stdout)));
     the_figures_are_those_of_one_process(&report, folder.path());
     a_node_that_dies_ends_it(&report);
     stopping_and_deactivating_end_it(&report, folder.path());
