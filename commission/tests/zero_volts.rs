@@ -106,10 +106,13 @@ fn a_commission_ends_at_zero_volts_wherever_it_is_stopped_and_goes_on_from_there
     let progress = Progress::new(3600.0, true);
 
     let mut stages = Vec::new();
-    // Again and again, wherever that is: in the ramps, the tones, blocks, the arms and the proof.
+    // Again and again, wherever that is: in the ramps, the tones, blocks, the arms and the proof. Each
+    // time a little later, so that no stage is too long to end.
+    let mut cycles = 130_000;
     loop {
         stop.store(false, Ordering::Relaxed);
-        STOP_AFTER.store(APPLIED.load(Ordering::Relaxed) + 130_000, Ordering::Relaxed);
+        STOP_AFTER.store(APPLIED.load(Ordering::Relaxed) + cycles, Ordering::Relaxed);
+        cycles += cycles / 10;
         let Err(error) = run(&asked, &known, &dossier, stop, &progress) else { break };
         assert!(error.is_stopped(), "{error}");
         assert_eq!(ON_THE_MOTOR.load(Ordering::Relaxed), 0, "after {:?}", dossier.done());
