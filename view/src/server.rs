@@ -30,6 +30,9 @@ const LEAVING: Duration = Duration::from_millis(500);
 pub struct ViewOptions {
     /// The address. Any but loopback wants a token.
     pub address: IpAddr,
+    /// Loopback wants one too: what is asked for here is done by somebody who is let in elsewhere by
+    /// a key, and other users of this machine have none.
+    pub token: bool,
     /// The port; `None` for [`PORT`], or the next free one after it. 0 takes any free one.
     pub port: Option<u16>,
     /// Pages from elsewhere that may open a socket, as `https://app.foxglove.dev`.
@@ -42,10 +45,19 @@ impl Default for ViewOptions {
     fn default() -> Self {
         Self {
             address: IpAddr::V4(Ipv4Addr::LOCALHOST),
+            token: false,
             port: None,
             origins: Vec::new(),
             name: "frictionlab".to_owned(),
         }
+    }
+}
+
+impl ViewOptions {
+    /// Whether only those are let in who have a token.
+    #[must_use]
+    pub fn wants_token(&self) -> bool {
+        self.token || !self.address.is_loopback()
     }
 }
 
@@ -72,7 +84,7 @@ impl View {
         let listener = listen(options)?;
         let address = listener.local_addr().map_err(ViewError::System)?;
         listener.set_nonblocking(true).map_err(ViewError::System)?;
-        let tokens = (!options.address.is_loopback()).then(Tokens::draw).transpose();
+        let tokens = options.wants_token().then(Tokens::draw).transpose();
         let tokens = tokens.map_err(ViewError::System)?;
         let session = crate::Token::draw().map_err(ViewError::System)?.as_str().to_owned();
         let shared = Arc::new(Shared {

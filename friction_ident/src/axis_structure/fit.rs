@@ -142,9 +142,10 @@ impl StructureFit {
 /// Fits `structure` to the whole recording.
 ///
 /// The delay, the Stribeck velocity, the bristle's displacement and the period are searched within
-/// bounds that the recording sets (delay up to ten samples either way, Stribeck velocity up to a
-/// quarter of the largest speed, beyond which the curve cannot be told from viscous friction,
-/// displacement up to a tenth of the travel, period from a 200th to twice the travel).
+/// bounds that the recording sets (delay up to ten samples, either way where that explains clearly
+/// more; Stribeck velocity up to a quarter of the largest speed, beyond which the curve cannot be
+/// told from viscous friction; displacement up to a tenth of the travel; period from a 200th to twice
+/// the travel).
 ///
 /// # Errors
 /// [`IdentError::Columns`] where the recording cannot tell terms apart,

@@ -88,6 +88,19 @@ fn the_true_parameters_lie_in_the_intervals() {
     assert!(fit.effective_share > 0.5, "white noise is worth its samples: {}", fit.effective_share);
 }
 
+/// A force that was recorded 3 ms late lies below zero; at once is no delay below zero in noise.
+#[test]
+fn a_force_is_late_only_where_that_explains_much() {
+    let delay = |late: f64| {
+        let recording = axis(coulomb, -late, 0.2);
+        let fit = fit_structure(&recording, structure("symmetric+delay"), &AxisUnits::LINEAR);
+        fit.unwrap().shape.delay
+    };
+    let late = delay(3e-3);
+    assert!((late + 3e-3).abs() < 2e-4, "{late}");
+    assert!(delay(0.0) >= 0.0, "{}", delay(0.0));
+}
+
 /// The symmetric and the asymmetric structure are the models of `rigid_axis`.
 #[test]
 fn the_simple_structures_agree_with_the_rigid_axis() {

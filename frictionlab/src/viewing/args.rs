@@ -58,6 +58,7 @@ impl ViewPlace {
     pub fn options(&self, name: &str) -> ViewOptions {
         ViewOptions {
             address: self.view_address.unwrap_or(Ipv4Addr::LOCALHOST.into()),
+            token: false,
             port: self.view_port,
             origins: self.view_origin.clone(),
             name: format!("frictionlab {name}"),
@@ -82,7 +83,7 @@ impl ViewArgs {
         let Some(options) = self.options(command) else { return Ok(None) };
         let view = BagsView::open(&options, what, stop, progress).map_err(worded)?;
         // A token is told once, also where nothing else is.
-        if !quiet || !options.address.is_loopback() {
+        if !quiet || options.wants_token() {
             eprintln!("{}", view.words());
         }
         Ok(Some(view))

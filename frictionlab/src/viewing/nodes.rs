@@ -95,7 +95,10 @@ impl NodesView {
             publishing: Publishing::new(node, join),
             poke: Mutex::new(poke.clone()),
         };
-        let view = View::start(options, hub.clone(), Arc::new(asking))?;
+        // On a secured network the view steers with this process's own key.
+        let secured = participant.enclave().is_some();
+        let options = ViewOptions { token: options.token || secured, ..options.clone() };
+        let view = View::start(&options, hub.clone(), Arc::new(asking))?;
         let mut opened = Self { view: Some(view), poke: Some(poke), watching: Vec::new() };
         let (ends, ended) = channel::<()>();
         let told = hub.clone();

@@ -3,6 +3,7 @@
 use std::sync::atomic::Ordering;
 
 use serde_json::json;
+use view::ViewOptions;
 
 use crate::stranger::Server;
 
@@ -52,6 +53,16 @@ fn another_page_opens_no_socket() {
     // A program that is no browser says no origin.
     assert_eq!(server.status(&upgrade(&host, SPOKEN)), 101);
     assert_eq!(server.status(&upgrade(&host, "X: y")), 400, "no protocol that is spoken here");
+}
+
+/// The network of nodes is secured: another user of this machine must not steer by the view's key.
+#[test]
+fn where_a_token_is_wanted_this_machine_needs_one_too() {
+    let server = Server::with(ViewOptions { token: true, ..ViewOptions::default() });
+    let host = server.address().to_string();
+    assert_eq!(server.status(&upgrade(&host, SPOKEN)), 401);
+    let known = format!("{SPOKEN}, token.{}", server.token(false));
+    assert_eq!(server.status(&upgrade(&host, &known)), 101);
 }
 
 #[test]

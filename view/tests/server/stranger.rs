@@ -78,12 +78,12 @@ pub struct Server {
 
 impl Server {
     pub fn start(address: &str) -> Self {
+        Self::with(ViewOptions { address: address.parse().unwrap(), ..ViewOptions::default() })
+    }
+
+    pub fn with(options: ViewOptions) -> Self {
         let stand_in = Arc::new(StandIn::default());
-        let options = ViewOptions {
-            address: address.parse().unwrap(),
-            port: Some(0),
-            ..ViewOptions::default()
-        };
+        let options = ViewOptions { port: Some(0), ..options };
         let hub = Hub::default();
         let channel = hub.offer(Channel {
             topic: "/numbers".into(),
