@@ -1,7 +1,7 @@
 //! What can go wrong when a view is opened.
 
 use std::io;
-use std::net::SocketAddr;
+use std::net::{IpAddr, SocketAddr};
 
 /// A view that cannot be opened.
 #[derive(Debug, thiserror::Error)]
@@ -17,6 +17,14 @@ pub enum ViewError {
         /// What the system said.
         source: io::Error,
     },
+    /// The address cannot be had, on any port.
+    #[error(
+        "the view cannot listen on {address}: it is no address of this machine; `ip address` lists them, and without --view-address the view is on this machine alone"
+    )]
+    NotHere {
+        /// The address.
+        address: IpAddr,
+    },
     /// The system grants no threads or no random numbers.
     #[error("the view cannot be started: {0}")]
     System(io::Error),
@@ -26,6 +34,6 @@ impl ViewError {
     /// Whether the user can mend it by another option.
     #[must_use]
     pub const fn is_bad_input(&self) -> bool {
-        matches!(self, Self::Listen { .. })
+        matches!(self, Self::Listen { .. } | Self::NotHere { .. })
     }
 }

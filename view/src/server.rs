@@ -74,7 +74,7 @@ impl View {
     /// Opens it.
     ///
     /// # Errors
-    /// [`ViewError::Listen`] if the port is taken or the address is not this machine's;
+    /// [`ViewError::Listen`] if the port is taken, [`ViewError::NotHere`] for another machine's address,
     /// [`ViewError::System`].
     pub fn start(
         options: &ViewOptions,
@@ -158,6 +158,9 @@ fn listen(options: &ViewOptions) -> Result<std::net::TcpListener, ViewError> {
         let address = SocketAddr::new(options.address, port);
         match std::net::TcpListener::bind(address) {
             Ok(listener) => return Ok(listener),
+            Err(source) if source.kind() == std::io::ErrorKind::AddrNotAvailable => {
+                return Err(ViewError::NotHere { address: options.address });
+            }
             Err(source) => last = Some((address, source)),
         }
     }

@@ -62,7 +62,7 @@ pub fn execute(args: &CompareArgs) -> anyhow::Result<()> {
 pub(super) fn read(path: &Path) -> Result<Report, BadInput> {
     let file = if path.is_dir() { path.join("identification.json") } else { path.to_owned() };
     let name = path.display().to_string();
-    let text = files::input::text(&file).map_err(|error| BadInput(format!("{name}: {error}")))?;
+    let text = files::input::text(&file).map_err(|error| BadInput(format!("{name} cannot be read: {error}; name the identification.json that `frictionlab identify` wrote")))?;
     Report::read(&name, &text)
 }
 

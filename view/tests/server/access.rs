@@ -1,11 +1,12 @@
 //! Whose page asks, and who has which token.
 
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use serde_json::json;
-use view::ViewOptions;
+use view::{Hub, View, ViewError, ViewOptions};
 
-use crate::stranger::Server;
+use crate::stranger::{Server, StandIn};
 
 /// The head of an upgrade with these headers.
 fn upgrade(host: &str, more: &str) -> String {
@@ -63,6 +64,13 @@ fn where_a_token_is_wanted_this_machine_needs_one_too() {
     assert_eq!(server.status(&upgrade(&host, SPOKEN)), 401);
     let known = format!("{SPOKEN}, token.{}", server.token(false));
     assert_eq!(server.status(&upgrade(&host, &known)), 101);
+}
+
+#[test]
+fn an_address_of_another_machine_is_told_from_a_port_that_is_taken() {
+    let options = ViewOptions { address: "192.0.2.1".parse().unwrap(), ..ViewOptions::default() };
+    let error = View::start(&options, Hub::default(), Arc::new(StandIn::default())).unwrap_err();
+    assert!(matches!(error, ViewError::NotHere { .. }) && error.is_bad_input(), "{error}");
 }
 
 #[test]
