@@ -13,17 +13,10 @@ fn count(status: &Value, part: &str, name: &str) -> u64 {
     status[part][name].as_u64().unwrap_or_else(|| panic!("{part}.{name} in {status}"))
 }
 
-/// Drives `cycles` cycles; a machine that is busy may make the device inactive, which then is
-/// activated again.
+/// Drives `cycles` cycles.
 fn drive(rig: &mut SerialRig, cycles: usize, volts: f64) {
     for _ in 0..cycles {
-        match cycle(rig, volts) {
-            Ok(_) => {}
-            Err(RigError::Serial(SerialError::NotActive { .. })) => {
-                rig.activate().expect("it activates")
-            }
-            Err(other) => panic!("{other}"),
-        }
+        cycle(rig, volts).unwrap();
     }
 }
 
@@ -131,13 +124,7 @@ fn a_device_that_restarts_stays_at_zero_volts_until_activated_again() {
     rig.activate().unwrap();
     drive(&mut rig, 50, 2.0);
     bench.order("reboot 30");
-    let error = loop {
-        match drive_until_trouble(&mut rig, 2.0) {
-            // A busy machine was silent for too long before.
-            SerialError::NotActive { .. } if rig.activate().is_ok() => {}
-            error => break error,
-        }
-    };
+    let error = drive_until_trouble(&mut rig, 2.0);
     assert!(matches!(error, SerialError::Restarted { .. }), "{error}");
     let seen = wait_for_line(&mut rig);
     assert_eq!(seen.voltage_applied, 0.0);
@@ -164,15 +151,21 @@ fn a_cable_that_was_pulled_and_put_back_leaves_the_motor_at_zero_volts_until_act
         let error = drive_until_trouble(&mut rig, 2.0);
         assert!(matches!(error, SerialError::Disconnected { .. }), "{error}");
         assert!(error.to_string().contains("until activated again"));
-        let after = wait_for_line(&mut rig);
-        assert!(after.time > before.time && after.cycle > before.cycle, "time goes on");
-        let error = rig.apply(2.0).unwrap_err();
+        let error = loop {
+            let after = wait_for_line(&mut rig);
+            assert!(after.time > before.time && after.cycle > before.cycle, "time goes on");
+            match rig.apply(2.0).unwrap_err() {
+                // The last of the old line may be seen late.
+                RigError::Serial(SerialError::Disconnected { .. }) => {}
+                error => break error,
+            }
+        };
         assert!(matches!(error, RigError::Serial(SerialError::NotActive { .. })), "{error}");
         let status = bench.pass(30);
         assert_eq!((&status["voltage"], &status["state"]), (&0.into(), &"inactive".into()));
         rig.activate().unwrap();
         drive(&mut rig, 50, 2.0);
-        assert_eq!(rig.statistics().reconnects, 1);
+        assert!(rig.statistics().reconnects >= 1);
         drop(rig);
         bench.finish();
     }

@@ -12,7 +12,7 @@ use std::{
 
 use rig_driver::{
     Measurement, Rig, RigError,
-    serial::{SerialError, SerialOptions, SerialRig},
+    serial::{Cause, SerialError, SerialOptions, SerialRig},
 };
 use serde_json::Value;
 
@@ -23,9 +23,18 @@ pub struct Bench {
     answers: BufReader<ChildStdout>,
     _folder: tempfile::TempDir,
     path: PathBuf,
+    options: SerialOptions,
 }
 
 impl Bench {
+    /// Starts the emulator with `arguments`, and has it wait for its host for so long that no busy
+    /// machine makes it give up.
+    pub fn start_patient(arguments: &[&str]) -> Self {
+        let patience = ["--validity-limit", "1000000", "--host-timeout", "5000000"];
+        let bench = Self::start(&[&patience, arguments].concat());
+        Self { options: SerialOptions { validity: 1.0, ..patient() }, ..bench }
+    }
+
     /// Starts the emulator with `arguments`.
     pub fn start(arguments: &[&str]) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
@@ -43,7 +52,7 @@ impl Bench {
         let mut ready = String::new();
         answers.read_line(&mut ready).expect("its first line");
         assert_eq!(ready.trim(), format!("ready {}", path.display()));
-        Self { process, orders, answers, _folder: folder, path }
+        Self { process, orders, answers, _folder: folder, path, options: patient() }
     }
 
     /// The port.
@@ -55,7 +64,7 @@ impl Bench {
     /// of this process holds a port that was just closed until it has become that program.
     pub fn open(&self) -> SerialRig {
         for _ in 0..100 {
-            match SerialRig::open(&self.path, patient()) {
+            match SerialRig::open(&self.path, self.options) {
                 Err(SerialError::Busy { .. }) => std::thread::sleep(Duration::from_millis(20)),
                 other => return other.expect("the emulator answers"),
             }
@@ -118,12 +127,21 @@ pub fn patient() -> SerialOptions {
     SerialOptions { answer: 20.0, silence: 5.0, ..SerialOptions::default() }
 }
 
-/// One cycle with `volts`.
+/// One cycle with `volts`. A host that a busy machine held up is silent for too long: the device is
+/// then activated again, as often as it takes.
 pub fn cycle(rig: &mut SerialRig, volts: f64) -> Result<Measurement, RigError> {
-    rig.wait()?;
-    let seen = rig.measure();
-    rig.apply(volts)?;
-    Ok(seen)
+    for _ in 0..1000 {
+        rig.wait()?;
+        let seen = rig.measure();
+        match rig.apply(volts) {
+            Ok(_) => return Ok(seen),
+            Err(RigError::Serial(SerialError::NotActive { cause: Cause::HostLost, .. })) => {
+                rig.activate()?;
+            }
+            Err(other) => return Err(other),
+        }
+    }
+    panic!("the machine is too busy for 1000 cycles in turn");
 }
 
 /// Cycles with `volts` until something goes wrong; what did.
