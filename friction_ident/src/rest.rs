@@ -5,7 +5,8 @@
 //! which it breaks away. Such samples show nothing of its parameters.
 //!
 //! A stretch stands still for as long as a window of samples has no more of a mean and a trend than
-//! noise has, and no more scatter than the quietest parts of the stretch.
+//! noise has, and no more scatter than the quietest parts of the stretch; or is nothing beside the
+//! fastest motion.
 
 use crate::statistics::upper_median;
 use crate::stretch::Stretch;
@@ -21,6 +22,10 @@ const SLOW: f64 = 0.05;
 /// Root mean square over the fastest velocity below which a window counts as no noisier than any
 /// other: an encoder that stands still has no noise, and what is left is the low-pass's.
 const SILENT: f64 = 1e-3;
+/// Root mean square over the fastest velocity below which nothing moves, whatever the trend: a
+/// low-pass leaves that much of a count that stays the same, and no sensor tells such a speed beside
+/// the fastest one.
+const NOTHING: f64 = 1e-5;
 /// The same over that of the windows at rest.
 const SCATTER: f64 = 3.0;
 
@@ -50,7 +55,7 @@ pub(crate) fn standing(velocity: &[f64]) -> Vec<bool> {
     let fastest = velocity.iter().fold(0.0f64, |fastest, v| fastest.max(v.abs()));
     let windows: Vec<(usize, f64)> = velocity
         .windows(WINDOW)
-        .map(scatter)
+        .map(|window| scatter(window, NOTHING * fastest))
         .enumerate()
         .filter_map(|(first, scatter)| Some((first, scatter?)))
         .filter(|(_, scatter)| *scatter <= SLOW * fastest)
@@ -68,8 +73,9 @@ pub(crate) fn standing(velocity: &[f64]) -> Vec<bool> {
     rest
 }
 
-/// Root mean square of a window whose mean and trend are no more than noise; none for motion.
-fn scatter(window: &[f64]) -> Option<f64> {
+/// Root mean square of a window whose mean and trend are no more than noise, or that is at most
+/// `nothing`; none for motion.
+fn scatter(window: &[f64], nothing: f64) -> Option<f64> {
     let n = window.len() as f64;
     let middle = 0.5 * (n - 1.0);
     let (mut sum, mut slope, mut squares) = (0.0, 0.0, 0.0);
@@ -79,7 +85,8 @@ fn scatter(window: &[f64]) -> Option<f64> {
         squares += v * v;
     }
     let explained = sum * sum / n + slope * slope * 12.0 / (n * (n * n - 1.0));
-    (explained <= EXPLAINED * squares).then(|| (squares / n).sqrt())
+    let size = (squares / n).sqrt();
+    (explained <= EXPLAINED * squares || size <= nothing).then_some(size)
 }
 
 #[cfg(test)]
@@ -143,6 +150,43 @@ mod tests {
         let rest = standing(&thinned);
         assert!(share(&rest[200..400]) > 0.9, "{}", share(&rest[200..400]));
         assert!(share(&rest[..195]) + share(&rest[405..]) < 0.02);
+    }
+
+    /// The last digits of a low-pass go round in a circle for as long as its input stays the same.
+    /// Every so many samples, that is a mean.
+    #[test]
+    fn what_a_low_pass_leaves_in_its_last_digits_is_rest() {
+        let velocity: Vec<f64> = (0..1000)
+            .map(|k| if (300..700).contains(&k) { 3e-14 } else { (0.05 * f64::from(k)).sin() })
+            .collect();
+        let rest = standing(&velocity);
+        assert!(share(&rest[300..700]) > 0.98, "{}", share(&rest[300..700]));
+        assert_eq!(share(&rest[..290]) + share(&rest[710..]), 0.0);
+        // Creeping at a thousandth of the fastest speed is motion.
+        let creeps: Vec<f64> =
+            velocity.iter().map(|v| if *v == 3e-14 { 1e-3 } else { *v }).collect();
+        assert_eq!(share(&standing(&creeps)), 0.0);
+    }
+
+    /// Whatever the count at which it stands still.
+    #[test]
+    fn an_encoder_rests_at_every_count() {
+        let step = std::f64::consts::TAU / 16384.0;
+        let low_pass = crate::zero_phase::LowPass::butterworth(4, 100.0, 1000.0).unwrap();
+        for place in 0..40 {
+            let at = |t: f64| 0.2 * f64::from(place) - 4.1 + 0.7 * (3.0 * t).sin();
+            let count = |k: i32| {
+                let t = 1e-3 * f64::from(k);
+                let t = if t < 2.0 { t } else { t.max(5.0) - 3.0 };
+                (at(t) / step).round() * step
+            };
+            let position: Vec<f64> = (0..7000).map(count).collect();
+            let smooth = low_pass.filter(&position).unwrap();
+            let speed = smooth.windows(3).map(|three| (three[2] - three[0]) / 2e-3);
+            let rest = standing(&speed.step_by(5).collect::<Vec<_>>());
+            assert!(share(&rest[400..1000]) > 0.95, "{place}: {}", share(&rest[400..1000]));
+            assert!(share(&rest[..400]) + share(&rest[1005..]) < 0.02, "{place}");
+        }
     }
 
     #[test]
