@@ -1,4 +1,5 @@
-//! The HIL library's functions as safe methods. All `unsafe` of the project is in this file.
+//! The HIL library's functions as safe methods. All `unsafe` that calls foreign code is in
+//! this file.
 //!
 //! Types and order of the arguments are those of the vendor's `hil.h`: `t_error` and `t_int` are
 //! `i32`, `t_uint32` is `u32`, `t_double` is `f64`, `t_boolean` one byte, cards are pointers nobody

@@ -85,6 +85,31 @@ fn a_room_keeps_its_table_of_contents_in_mod_rs() {
     assert!(beside.is_empty(), "these belong into their folders, as mod.rs: {beside:#?}");
 }
 
+/// Where `unsafe` is allowed: foreign code is called, or calls.
+const UNSAFE: [&str; 4] = [
+    "friction_c/src/boundary.rs",
+    "friction_c/src/calls/mod.rs",
+    "friction_c/tests/no_allocation.rs",
+    "rig_driver/src/quanser/hil.rs",
+];
+
+#[test]
+fn nothing_is_unsafe_but_where_foreign_code_is() {
+    let mut found: Vec<String> = folders()
+        .iter()
+        .flat_map(|folder| ["src", "tests", "benches"].map(|inner| folder.join(inner)))
+        .filter(|folder| folder.is_dir())
+        .flat_map(|folder| rust_files(&folder))
+        .filter(|file| {
+            let text = std::fs::read_to_string(file).unwrap();
+            text.lines().any(|line| line == "#![allow(unsafe_code)]")
+        })
+        .map(|file| file.strip_prefix(checkout()).unwrap().to_string_lossy().into_owned())
+        .collect();
+    found.sort();
+    assert_eq!(found, UNSAFE);
+}
+
 #[test]
 fn an_arrow_is_seen_through_what_a_room_passes_on() {
     let folder = tempfile::tempdir().unwrap();
