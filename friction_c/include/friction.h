@@ -444,6 +444,23 @@ enum FrictionCode friction_observer_reset(struct FrictionObserver *observer);
 double friction_observer_period(const struct FrictionObserver *observer);
 
 /**
+ * Whether the observer needs the voltage that was applied: false, and FrictionSeen's voltage may
+ * stay zero, for those that only follow a velocity.
+ *
+ * # Safety
+ * `observer` is null or came from one of the functions that make them.
+ */
+bool friction_observer_needs_voltage(const struct FrictionObserver *observer);
+
+/**
+ * Whether the observer needs the velocity that the reference asks for, or the error.
+ *
+ * # Safety
+ * `observer` is null or came from one of the functions that make them.
+ */
+bool friction_observer_needs_reference(const struct FrictionObserver *observer);
+
+/**
  * The name of the model; null for null. The text stays as long as the program runs.
  *
  * # Safety

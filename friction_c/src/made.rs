@@ -4,7 +4,7 @@ use std::ffi::CStr;
 
 use friction_model::{AnyModel, AnyParameters, ModelName, Parameter, Scheme, TimeStep};
 use friction_observer::parameters::{ObserverSettings, declarations};
-use friction_observer::{EstimatorOptions, FrictionEstimator};
+use friction_observer::{EstimatorOptions, FrictionEstimator, Technique, VelocitySource};
 use parameters::{Values, file, nearest};
 use serde_json::{Map, Value, json};
 
@@ -66,6 +66,46 @@ impl Observer {
         let said = ObserverSettings::read(&values).map_err(|wrong| bad(&wrong))?;
         let dt = if period == 0.0 { said.dt } else { time_step(period)? };
         Self::new(said.model, said.options, dt)
+    }
+
+    /// Whether what it does depends on the voltage that was applied.
+    pub fn needs_voltage(&self) -> bool {
+        let options = self.estimator.options();
+        let velocity = matches!(
+            options.velocity,
+            VelocitySource::EncoderKalman { .. } | VelocitySource::Fused { .. }
+        );
+        velocity
+            || match options.technique {
+                Technique::Feedback
+                | Technique::Feedforward
+                | Technique::Both { .. }
+                | Technique::SuperTwisting(_)
+                | Technique::Fuzzy(_) => false,
+                Technique::Adaptive(_)
+                | Technique::AdaptiveParameters(_)
+                | Technique::AdaptiveStiffness(_)
+                | Technique::DisturbanceObserver(_)
+                | Technique::Rbf(_) => true,
+            }
+    }
+
+    /// Whether what it does depends on the reference's velocity, or on the error.
+    pub fn needs_reference(&self) -> bool {
+        let options = self.estimator.options();
+        options.injection != 0.0
+            || match options.technique {
+                Technique::Feedback => false,
+                Technique::DisturbanceObserver(_) => options.ahead > 0.0,
+                Technique::Adaptive(level) => level.share > 0.0,
+                Technique::AdaptiveParameters(parameters) => parameters.share > 0.0,
+                Technique::AdaptiveStiffness(_) => false,
+                Technique::Feedforward
+                | Technique::Both { .. }
+                | Technique::Rbf(_)
+                | Technique::SuperTwisting(_)
+                | Technique::Fuzzy(_) => true,
+            }
     }
 }
 
@@ -247,6 +287,14 @@ mod tests {
             assert_eq!(failure.code, code, "{failure}");
             assert!(failure.message.contains(words), "{failure}");
         }
+        let needs = |technique: &str| {
+            let text = text(&format!("    technique: {technique}\n"));
+            let observer = Observer::from_file(&text, NODE, 0.0).unwrap();
+            (observer.needs_voltage(), observer.needs_reference())
+        };
+        assert_eq!(needs("feedback"), (false, false));
+        assert_eq!(needs("feedforward"), (false, true));
+        assert_eq!(needs("disturbance_observer"), (true, false));
         let failure = Observer::from_file(&text(""), NODE, 0.5).unwrap_err();
         assert_eq!(failure.code, FrictionCode::BadPeriod);
     }

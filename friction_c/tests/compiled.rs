@@ -1,6 +1,7 @@
 //! C and C++ against the header and the libraries, under the sanitizers, held against Rust to the
 //! last bit.
 
+use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -26,10 +27,22 @@ fn here() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Compiles a source of this folder with all warnings and both sanitizers.
+const MEMORY: &str = "address,undefined";
+
+/// Compiles a source of this folder with all warnings and both sanitizers of memory.
 fn compiled(source: &str, library: Library, into: &TempDir) -> Command {
-    let source = here().join(source);
-    let (compiler, standard) = match source.extension().unwrap().to_str().unwrap() {
+    built(&[here().join(source)], &[], MEMORY, library, into)
+}
+
+/// Compiles sources with all warnings and some sanitizers.
+fn built(
+    sources: &[PathBuf],
+    include: &[PathBuf],
+    sanitizers: &str,
+    library: Library,
+    into: &TempDir,
+) -> Command {
+    let (compiler, standard) = match sources[0].extension().unwrap().to_str().unwrap() {
         "c" => ("cc", "-std=c11"),
         _ => ("c++", "-std=c++17"),
     };
@@ -38,10 +51,14 @@ fn compiled(source: &str, library: Library, into: &TempDir) -> Command {
     let mut compile = Command::new(compiler);
     compile
         .args([standard, "-g", "-Wall", "-Wextra", "-Wpedantic", "-Werror"])
-        .args(["-fsanitize=address,undefined", "-fno-sanitize-recover=all"])
-        .arg("-I")
-        .arg(here().join("include"))
-        .arg(&source)
+        .args([&format!("-fsanitize={sanitizers}"), "-fno-sanitize-recover=all"])
+        .args(
+            include
+                .iter()
+                .chain([&here().join("include")])
+                .flat_map(|folder| [OsString::from("-I"), folder.into()]),
+        )
+        .args(sources)
         .arg("-o")
         .arg(&program);
     match library {
@@ -187,6 +204,33 @@ fn the_example_in_cplusplus_reads_the_files_of_the_programs() {
         let theirs = from_hexadecimal(lines.next().unwrap());
         assert_eq!(theirs.to_bits(), torque.to_bits(), "cycle {k}: {theirs} and {torque}");
     }
+}
+
+/// Programs of the controller for ros2_control, in the folder of its package.
+fn of_the_controller(sources: &[&str], include: &[&str], sanitizers: &str) -> String {
+    let package = here().join("../ros/friction_compensation_controller");
+    let within = |names: &[&str]| names.iter().map(|name| package.join(name)).collect::<Vec<_>>();
+    let folder = tempfile::tempdir().unwrap();
+    let mut program =
+        built(&within(sources), &within(include), sanitizers, Library::Static, &folder);
+    program.arg(here().join("../launch_configs/config/friction_observer.yaml"));
+    said(program, "")
+}
+
+#[test]
+fn the_core_of_the_controller_adds_friction_and_never_more_than_it_may() {
+    for sanitizers in [MEMORY, "thread"] {
+        let sources = ["test/compensation_test.cpp", "src/compensation.cpp"];
+        assert_eq!(of_the_controller(&sources, &["include"], sanitizers), "passed\n");
+    }
+}
+
+/// Not that it builds with ros2_control: see `test/declared/README.md` there.
+#[test]
+fn the_code_of_the_plugin_does_what_it_says_against_declarations_of_our_own() {
+    let sources = ["test/controller_test.cpp", "src/controller.cpp", "src/compensation.cpp"];
+    let include = ["include", "test/declared"];
+    assert_eq!(of_the_controller(&sources, &include, MEMORY), "passed\n");
 }
 
 /// A number as `%a` prints it.

@@ -10,7 +10,8 @@ use serde_json::Value;
 use tempfile::TempDir;
 use tests::{checkout, network::namespaced, node_programs, python};
 
-const PACKAGES: [&str; 3] = ["friction_bringup", "friction_msgs", "friction_nodes"];
+const PACKAGES: [&str; 4] =
+    ["friction_bringup", "friction_compensation_controller", "friction_msgs", "friction_nodes"];
 const PROGRAMS: [&str; 5] =
     ["controller", "experiment_runner", "friction_observer", "frictionlab", "rig_driver"];
 
@@ -82,7 +83,7 @@ fn said(command: &mut Command, what: &str) -> String {
 }
 
 #[test]
-fn colcon_finds_three_packages_whether_or_not_it_knows_cargo() {
+fn colcon_finds_four_packages_whether_or_not_it_knows_cargo() {
     // The folder is linked, or the whole checkout lies in the workspace.
     for linked in [checkout().join("ros"), checkout().to_owned()] {
         let workspace = Workspace::with(&linked);

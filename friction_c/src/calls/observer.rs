@@ -235,6 +235,31 @@ pub unsafe extern "C" fn friction_observer_period(observer: *const FrictionObser
     asked(0.0, || unsafe { seen(observer) }.map_or(0.0, |observer| observer.0.dt.seconds()))
 }
 
+/// Whether the observer needs the voltage that was applied: false, and FrictionSeen's voltage may
+/// stay zero, for those that only follow a velocity.
+///
+/// # Safety
+/// `observer` is null or came from one of the functions that make them.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn friction_observer_needs_voltage(
+    observer: *const FrictionObserver,
+) -> bool {
+    // SAFETY: the caller promises it.
+    asked(false, || unsafe { seen(observer) }.is_ok_and(|observer| observer.0.needs_voltage()))
+}
+
+/// Whether the observer needs the velocity that the reference asks for, or the error.
+///
+/// # Safety
+/// `observer` is null or came from one of the functions that make them.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn friction_observer_needs_reference(
+    observer: *const FrictionObserver,
+) -> bool {
+    // SAFETY: the caller promises it.
+    asked(false, || unsafe { seen(observer) }.is_ok_and(|observer| observer.0.needs_reference()))
+}
+
 /// The name of the model; null for null. The text stays as long as the program runs.
 ///
 /// # Safety
