@@ -24,6 +24,12 @@ impl ValueRange {
     /// Real numbers, zero or more.
     pub const NON_NEGATIVE: Self = Self::Double(0.0, f64::MAX);
 
+    /// Whether it has no upper limit but that of its type.
+    #[must_use]
+    pub fn is_open(self) -> bool {
+        matches!(self, Self::Double(_, f64::MAX) | Self::Integer(_, i64::MAX))
+    }
+
     /// Whether a real number lies in the range; none that is not finite does.
     #[must_use]
     pub fn holds(self, value: f64) -> bool {
@@ -54,6 +60,7 @@ impl fmt::Display for ValueRange {
             Self::POSITIVE => f.write_str("above 0"),
             Self::Double(low, f64::MAX) => write!(f, "at least {low}"),
             Self::Double(low, high) => write!(f, "{low} to {high}"),
+            Self::Integer(low, i64::MAX) => write!(f, "at least {low}"),
             Self::Integer(low, high) => write!(f, "{low} to {high}"),
             Self::Either(low, high) => write!(f, "{high} or {low}"),
             Self::NotZero => f.write_str("not 0"),
@@ -71,6 +78,8 @@ mod tests {
         assert!([-2, 0, 2].iter().all(|n| !sign.holds_integer(*n)));
         assert!(sign.holds_integer(1) && sign.holds_integer(-1));
         assert_eq!(sign.to_string(), "1 or -1");
+        assert_eq!(ValueRange::Integer(0, i64::MAX).to_string(), "at least 0");
+        assert!(ValueRange::POSITIVE.is_open() && !ValueRange::Double(0.0, 1.0).is_open());
         assert!(ValueRange::NotZero.holds(-1e-9) && !ValueRange::NotZero.holds(0.0));
         assert!(!ValueRange::NotZero.holds(f64::NAN));
     }

@@ -50,6 +50,8 @@ pub struct Arguments {
     pub rosout_disabled: bool,
     /// Whether log lines are written to the terminal.
     pub terminal_disabled: bool,
+    /// Arguments that ROS understands and that change nothing here; each node says so.
+    pub ignored: Vec<String>,
     /// The enclave: who the process is, where security is on.
     pub enclave: Option<String>,
     /// The process only looks who is there: it joins in the clear, whatever the environment says of
@@ -127,10 +129,10 @@ impl Arguments {
             "--disable-stdout-logs" => self.terminal_disabled = true,
             // There is no other logger to switch.
             "--enable-external-lib-logs" | "--disable-external-lib-logs" => {}
+            // Launch files pass them on. Nothing is logged to files here.
             "--log-config-file" | "--log-file-name" => {
-                return Err(format!(
-                    "`{flag}` is not understood: nothing is logged to files; use --log-level"
-                ));
+                let named = value("a file")?;
+                self.ignored.push(format!("{flag} {named}"));
             }
             other => return Err(format!("`{other}` behind --ros-args is unknown")),
         }
@@ -246,6 +248,13 @@ mod tests {
         let arguments = parse("--ros-args --log-level axis:=debug --log-level ERROR").unwrap();
         assert_eq!(arguments.level_of("axis.controller"), LogLevel::Debug);
         assert_eq!(arguments.level_of("rig"), LogLevel::Error);
+    }
+
+    #[test]
+    fn files_for_logs_are_taken_and_told_to_change_nothing() {
+        let arguments = parse("--ros-args --log-config-file a.yaml --log-file-name b").unwrap();
+        assert_eq!(arguments.ignored, ["--log-config-file a.yaml", "--log-file-name b"]);
+        assert!(parse("--ros-args --log-config-file").unwrap_err().contains("a file"));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Log lines, on the terminal and on `/rosout`.
 
 use std::{
+    panic::Location,
     sync::{Arc, Mutex, OnceLock, PoisonError},
     time::{Duration, Instant},
 };
@@ -54,6 +55,8 @@ struct Line {
     level: LogLevel,
     name: String,
     text: String,
+    /// Where in the sources it was written.
+    place: &'static Location<'static>,
 }
 
 /// All nodes' way to `/rosout`: another thread than the terminal's, so that neither waits for the
@@ -61,17 +64,17 @@ struct Line {
 fn network() -> &'static Outbox<Line> {
     static NETWORK: OnceLock<Outbox<Line>> = OnceLock::new();
     NETWORK.get_or_init(|| {
-        let mut last = None::<(Arc<Rosout>, String, u64)>;
+        let mut last = None::<(Arc<Rosout>, String, u64, &Location<'_>)>;
         Outbox::start("rosout", WAITING, move |out: Out<Line>| match out {
             Out::Item(line) => {
                 line.publish();
-                last = Some((line.rosout, line.name, line.stamp_ns));
+                last = Some((line.rosout, line.name, line.stamp_ns, line.place));
             }
             Out::Dropped(count) => {
-                if let Some((rosout, name, stamp_ns)) = last.take() {
+                if let Some((rosout, name, stamp_ns, place)) = last.take() {
                     let text =
                         format!("{count} log lines were dropped: the network did not take them");
-                    Line { rosout, stamp_ns, level: LogLevel::Warn, name, text }.publish();
+                    Line { rosout, stamp_ns, level: LogLevel::Warn, name, text, place }.publish();
                 }
             }
         })
@@ -94,9 +97,10 @@ impl Line {
                 level,
                 name: self.name.clone(),
                 msg: self.text.clone(),
-                file: String::new(),
+                file: self.place.file().to_owned(),
+                // The compiler tells where a call stands, but not in which function.
                 function: String::new(),
-                line: 0,
+                line: self.place.line(),
             });
         }
     }
@@ -143,6 +147,7 @@ impl Logger {
     }
 
     /// Writes a line of that level.
+    #[track_caller]
     pub fn log(&self, level: LogLevel, text: &str) {
         let Inner { name, clock, rosout, ears, .. } = &*self.0;
         if level < self.0.level {
@@ -164,12 +169,14 @@ impl Logger {
             level,
             name: name.clone(),
             text: text.into_owned(),
+            place: Location::caller(),
         });
     }
 
     /// Writes a warning that anybody on the network can cause, as often as he likes: of one `kind`
     /// at most one a second is written, and it says how many were not. `text` is made only if it is
     /// written.
+    #[track_caller]
     pub fn warn_of(&self, kind: &str, text: impl FnOnce() -> String) {
         let mut repeated = self.0.repeated.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(before) = repeated.may_be_told(kind, Instant::now()) else { return };
@@ -181,21 +188,25 @@ impl Logger {
     }
 
     /// For those who look for a mistake.
+    #[track_caller]
     pub fn debug(&self, text: &str) {
         self.log(LogLevel::Debug, text);
     }
 
     /// What happens.
+    #[track_caller]
     pub fn info(&self, text: &str) {
         self.log(LogLevel::Info, text);
     }
 
     /// What somebody should look at.
+    #[track_caller]
     pub fn warn(&self, text: &str) {
         self.log(LogLevel::Warn, text);
     }
 
     /// What does not work.
+    #[track_caller]
     pub fn error(&self, text: &str) {
         self.log(LogLevel::Error, text);
     }

@@ -84,7 +84,7 @@ def main() -> None:
         }
         report["states"] = [ros.state(node) for node in (RIG, OBSERVER, CONTROLLER, RUNNER)]
         described = ros.describe(OBSERVER, "lugre.sigma0")[0]
-        report["described"] = [described.description, described.floating_point_range[0].from_value]
+        report["described"] = [described.description, described.additional_constraints]
         answer = ros.call(ListExperiments, f"{RUNNER}/list_experiments", ListExperiments.Request())
         report["experiments"] = [experiment.name for experiment in answer.experiments]
         # Parameters while it runs.

@@ -37,7 +37,12 @@ def main() -> None:
         # describe
         sigma0, model, period, missing = ros.describe(OBSERVER, "lugre.sigma0", "model", "period", "no_such")
         report["described"] = {
-            "sigma0": [sigma0.type, sigma0.description, [[r.from_value, r.to_value] for r in sigma0.floating_point_range]],
+            "sigma0": [
+                sigma0.type,
+                sigma0.description,
+                [[r.from_value, r.to_value] for r in sigma0.floating_point_range],
+                sigma0.additional_constraints,
+            ],
             "model": [model.type, model.description, model.additional_constraints],
             "period_read_only": period.read_only,
             "missing": missing.type,
@@ -74,6 +79,7 @@ def main() -> None:
         report["loaded"] = [len(loaded), [reason for good, reason in loaded if not good]]
         ros.spin(0.5)
         report["rosout"] = sorted({log.name for log in logs if log.name in ("friction_observer", "controller")})
+        report["written_at"] = [[log.file, log.line] for log in logs if "no_such" in log.msg]
         report["warned"] = [log.msg for log in logs if "no_such" in log.msg and log.level == 30]
         report["keep"] = len(keep)
         # /clock under use_sim_time

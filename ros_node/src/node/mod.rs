@@ -69,6 +69,11 @@ impl RosNode {
             rosout,
             shared.ears.clone(),
         );
+        for argument in &arguments.ignored {
+            logger.warn(&format!(
+                "`{argument}` changes nothing: log lines go to the terminal and to /rosout, not to files; --log-level says which"
+            ));
+        }
         let began = u64::try_from(since_epoch().as_nanos()).unwrap_or(u64::MAX);
         if shared.open.swap(false, Ordering::Relaxed) {
             logger.warn(

@@ -274,4 +274,24 @@ mod tests {
         assert!(store.describe("fixed").read_only);
         assert_eq!(store.describe("x").r#type, 0);
     }
+
+    #[test]
+    fn a_range_without_a_limit_is_told_in_words_and_not_as_the_largest_number() {
+        let declared = vec![
+            Declaration::double("stiffness", 1.0, "").range(ValueRange::POSITIVE),
+            Declaration::double("level", 1.0, "").range(ValueRange::NON_NEGATIVE).constraint("odd"),
+            Declaration::integer("seed", 1, "").range(ValueRange::Integer(0, i64::MAX)),
+        ];
+        let store =
+            ParameterStore::new(declared, &BTreeMap::new(), Box::new(|_, _| Ok(()))).unwrap();
+        for (name, words) in
+            [("stiffness", "above 0"), ("level", "at least 0; odd"), ("seed", "at least 0")]
+        {
+            let described = store.describe(name);
+            assert!(
+                described.floating_point_range.is_empty() && described.integer_range.is_empty()
+            );
+            assert_eq!(described.additional_constraints, words);
+        }
+    }
 }

@@ -47,17 +47,29 @@ pub(super) fn kind(value: &ParameterValue) -> ParameterType {
     wire(value.clone()).to_parameter_type()
 }
 
+/// What a range of ROS cannot say, in words.
+fn constraints(declared: &Declaration) -> String {
+    let (words, range) = (declared.constraints(), declared.value_range());
+    match (range.is_open() || range == ValueRange::NotZero, words.is_empty()) {
+        (false, _) => words.to_owned(),
+        (true, true) => range.to_string(),
+        (true, false) => format!("{range}; {words}"),
+    }
+}
+
 /// A declaration as `describe_parameters` tells it.
 pub(super) fn descriptor(declared: &Declaration) -> raw::ParameterDescriptor {
     ParameterDescriptor {
         name: declared.name().to_owned(),
         param_type: kind(declared.default_value()),
         description: declared.description().to_owned(),
-        additional_constraints: declared.constraints().to_owned(),
+        additional_constraints: constraints(declared),
         read_only: declared.is_read_only(),
         dynamic_typing: false,
         range: match declared.value_range() {
             ValueRange::Any | ValueRange::NotZero => NumericRange::NotSpecified,
+            // ROS has no range that is open at one end: a bound of 1.8e308 would be shown.
+            range if range.is_open() => NumericRange::NotSpecified,
             ValueRange::Double(from_value, to_value) => {
                 NumericRange::FloatingPointRange { from_value, to_value, step: 0.0 }
             }

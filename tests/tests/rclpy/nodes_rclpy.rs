@@ -119,7 +119,8 @@ fn parameters_are_listed_set_described_and_refused_with_reasons() {
         let described = &report["described"];
         assert_eq!(described["sigma0"][0], 3);
         assert!(text(&described["sigma0"][1]).contains("[N/m or N m/rad]"));
-        assert!(number(&described["sigma0"][2][0][0]) > 0.0);
+        assert_eq!(described["sigma0"][2], json!([]), "no limit is shown as none");
+        assert_eq!(described["sigma0"][3], "above 0");
         assert!(text(&described["model"][2]).starts_with("one of coulomb, "));
         assert_eq!(
             (&described["period_read_only"], &described["missing"]),
@@ -160,6 +161,8 @@ fn parameters_are_listed_set_described_and_refused_with_reasons() {
 
         assert_eq!(report["rosout"], json!(["controller", "friction_observer"]));
         assert!(text(&report["warned"][0]).contains("no_such"));
+        let [file, line] = [0, 1].map(|at| &report["written_at"][0][at]);
+        assert!(text(file).ends_with("services.rs") && number(line) > 0.0, "{file}, line {line}");
         assert_eq!(report["sim_time_set"][0], true);
         assert_eq!(report["sim_time_seen"], true, "events carry the time of /clock");
         assert_ended(&report["exit"]);
