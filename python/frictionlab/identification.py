@@ -326,13 +326,28 @@ def identify_joints(
     [0.1, 0.2]
     """
     asked = _Asked(data, validate, keywords | {"model": model})
+    return _each(asked, asked.joints(joint))
+
+
+def each_or_whole(data: Data, keywords: Mapping[str, Any]) -> Joints:
+    """All joints by name; a recording that names none is one joint, without a name."""
+    asked = _Asked(data, (), keywords)
+    try:
+        names: Iterable[str | None] = asked.joints("all")
+    except BadInput:
+        # Where that is not why, the identification says why.
+        names = [None]
+    return _each(asked, names)
+
+
+def _each(asked: _Asked, names: Iterable[str | None]) -> Joints:
     found, failed = {}, {}
     first: BadInput | None = None
-    for name in asked.joints(joint):
+    for name in names:
         try:
-            found[name] = asked.identify(name)
+            found[name or ""] = asked.identify(name)
         except BadInput as error:
-            failed[name] = str(error)
+            failed[name or ""] = str(error)
             first = first or error
     if first is not None and not found:
         raise first

@@ -26,8 +26,8 @@ const BAG_TOOLS: &[&str] = &[
     "PyYAML>=6,<7",
 ];
 
-/// What checks the types of our Python and runs its notebook, what builds its wheel, and the sampler
-/// that samples are held against.
+/// What checks the types of our Python and runs its notebook, what builds its wheel, the sampler that
+/// samples are held against, and what fleets need.
 const PYTHON_TOOLS: &[&str] = &[
     "mypy>=1.11,<3",
     "pandas-stubs",
@@ -35,6 +35,9 @@ const PYTHON_TOOLS: &[&str] = &[
     "ipykernel>=6,<8",
     "maturin>=1.9,<2",
     "emcee>=3.1,<4",
+    "pyarrow>=15",
+    "fsspec>=2024.2",
+    "scipy>=1.11,<2",
 ];
 
 /// The tool that builds ROS workspaces, as a ROS installation has it, and its extensions for cargo,
