@@ -71,7 +71,7 @@ def compare(
     """Tell whether two identifications differ: parameter by parameter, and as friction over the speeds of both.
 
     Each is what `identify` gave, or the `identification.json` that was written, or its folder. `speeds` [rad/s or
-    m/s] are those of both if none are given.
+    m/s] are those of both if none are given. Of axes the symmetric models are compared.
     """
     ends = None if speeds is None else [float(speeds[0]), float(speeds[1])]
     return Comparison(*_native.compare(_read(first, "first"), _read(second, "second"), model, ends, _seed(seed)))

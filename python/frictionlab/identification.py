@@ -158,7 +158,8 @@ class Identification:
     def samples(self, count: int, seed: int = 1, model: str | None = None) -> pd.DataFrame:
         """Sets of parameters drawn together, as likely as the recordings leave them: a row a sample.
 
-        They have the correlations of the fit, and 95 % of each parameter lie within its interval. What was not
+        They have the correlations of the fit, and 95 % of each parameter lie within its interval. Of an axis they are
+        those of the symmetric model. What was not
         estimated is held; `.attrs["notes"]` says what, and `.attrs["units"]` the units.
         """
         import pandas as pd
@@ -173,9 +174,10 @@ class Identification:
         import pandas as pd
 
         fit = self.models[model] if model else self.best
-        tree = self.document.get("models", {}).get(fit.name, {}).get("correlation")
-        if tree is None:
-            raise BadInput("this identification holds no correlations; friction models fitted to recordings have them")
+        of = self.document if self.kind == "axis" else self.document.get("models", {})
+        tree = of.get(fit.name, {}).get("correlation")
+        if tree is None or not tree["matrix"]:
+            raise BadInput("this identification holds no correlations; what is fitted to recordings has them")
         errors = np.array([_error_of(fit, name) for name in tree["names"]])
         matrix = np.array(tree["matrix"], dtype=np.float64) * np.outer(errors, errors)
         return pd.DataFrame(matrix, index=tree["names"], columns=tree["names"])

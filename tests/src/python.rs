@@ -1,5 +1,6 @@
 //! The Python environment that `cargo xtask python-env` makes.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -86,9 +87,45 @@ pub fn mujoco(which: MuJoCo) -> PathBuf {
     }
 }
 
+/// The interpreter of an environment of its own with Ray and a server of an object store.
+/// `$FRICTION_PYTHON_ENV_RAY` names one elsewhere.
+///
+/// # Panics
+/// As [`interpreter`].
+pub fn ray() -> PathBuf {
+    interpreter_in("FRICTION_PYTHON_ENV_RAY", "python-ray", "ray")
+}
+
 /// A script of `tests/python/`.
 pub fn script(name: &str) -> PathBuf {
     crate::checkout().join("tests/python").join(name)
+}
+
+/// The packages as the wheel holds them, with the extension module that was built, in a folder.
+///
+/// # Panics
+/// Where the folder cannot be written.
+pub fn assembled(into: &Path) {
+    let package = crate::checkout().join("python");
+    for part in ["frictionlab", "friction_analysis", "tests", "notebooks", "pyproject.toml"] {
+        copied(&package.join(part), &into.join(part));
+    }
+    fs::copy(crate::python_module(), into.join("frictionlab/_native.abi3.so")).expect("a module");
+}
+
+fn copied(from: &Path, to: &Path) {
+    if from.is_file() {
+        fs::copy(from, to).expect("a copy");
+        return;
+    }
+    fs::create_dir_all(to).expect("a folder");
+    for entry in from.read_dir().expect("a folder").map(|entry| entry.expect("an entry").path()) {
+        let name = entry.file_name().expect("a name");
+        // Modules that were built by hand are none of the checkout.
+        if name != "__pycache__" && entry.extension().is_none_or(|ending| ending != "so") {
+            copied(&entry, &to.join(name));
+        }
+    }
 }
 
 /// Runs a script and reads the JSON it prints.

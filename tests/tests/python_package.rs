@@ -2,8 +2,7 @@
 //! built program, with the real rclpy, and with the extension module as it was built beside the
 //! program.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 
 use tests::{network, python};
@@ -59,36 +58,13 @@ fn live_plots_and_experiments_work_with_the_real_rclpy() {
     python::pytest(command, &python, &package(), &["tests/test_ros.py"]);
 }
 
-/// The packages as the wheel holds them, with the extension module that was built.
-fn assembled(into: &Path) {
-    for part in ["frictionlab", "friction_analysis", "tests", "notebooks", "pyproject.toml"] {
-        copied(&package().join(part), &into.join(part));
-    }
-    fs::copy(tests::python_module(), into.join("frictionlab/_native.abi3.so")).expect("a module");
-}
-
-fn copied(from: &Path, to: &Path) {
-    if from.is_file() {
-        fs::copy(from, to).expect("a copy");
-        return;
-    }
-    fs::create_dir_all(to).expect("a folder");
-    for entry in from.read_dir().expect("a folder").map(|entry| entry.expect("an entry").path()) {
-        let name = entry.file_name().expect("a name");
-        // Modules that were built by hand are none of the checkout.
-        if name != "__pycache__" && entry.extension().is_none_or(|ending| ending != "so") {
-            copied(&entry, &to.join(name));
-        }
-    }
-}
-
 #[tests::needs(bag_tools, python_tools)]
 #[test]
 fn the_laboratory_computes_in_python_what_the_command_computes() {
     let python = python::interpreter("python_tools");
     let folder = tempfile::tempdir().expect("a folder");
     let (root, out) = (folder.path().join("package"), folder.path().join("run"));
-    assembled(&root);
+    python::assembled(&root);
     let run = tests::frictionlab()
         .args(["run", "velocity-tracking", "--quick", "--repetitions", "1", "--model", "lugre"])
         .args(["--quiet", "--out"])

@@ -14,7 +14,7 @@ use serde_json::Value;
 use crate::tally::Tally;
 
 /// Test programs that drive a device in real time, speak DDS or time what others do.
-const IN_REAL_TIME: [&str; 34] = [
+const IN_REAL_TIME: [&str; 35] = [
     "answers",
     "apart",
     "bench_live",
@@ -28,6 +28,7 @@ const IN_REAL_TIME: [&str; 34] = [
     "examples",
     "exit_codes",
     "experiment_over_nodes",
+    "fleet_cluster",
     "foreign_host",
     "hostile_traffic",
     "killed_drivers",

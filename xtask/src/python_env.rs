@@ -57,6 +57,18 @@ const MUJOCO: &[&str] = &["mujoco==4.0.0"];
 /// MuJoCo from before its `dcmotor` could do without an input.
 const OLDER_MUJOCO: &[&str] = &["mujoco==3.8.1"];
 
+/// A cluster for fleets, and an object store to read them from.
+const RAY: &[&str] = &[
+    "ray>=2.50,<3",
+    "s3fs>=2024.2",
+    "moto[server]>=5,<6",
+    "pyarrow>=15",
+    "scipy>=1.11,<2",
+    "pandas>=2.2,<4",
+    "matplotlib>=3.8,<4",
+    "pytest>=8,<10",
+];
+
 /// The environment, and what of it can be used.
 #[derive(Debug)]
 pub struct PythonEnv {
@@ -73,6 +85,8 @@ pub struct PythonEnv {
     /// Why there is no MuJoCo, of which two versions have environments of their own, if there is
     /// none.
     pub mujoco: anyhow::Result<()>,
+    /// Why there is no Ray, which has an environment of its own, if there is none.
+    pub ray: anyhow::Result<()>,
     /// Why there is no colcon, if there is none. It builds with what comes with rclpy.
     pub colcon: anyhow::Result<()>,
 }
@@ -95,7 +109,10 @@ pub fn prepare() -> anyhow::Result<PythonEnv> {
     });
     let colcon = environment.half("colcon", COLCON.join("\n"), || environment.install(COLCON));
     let mujoco = mujoco().map(drop);
-    Ok(PythonEnv { dir: environment.dir, bag_tools, python_tools, rclpy, cyclone, mujoco, colcon })
+    let ray = Environment::make(&target()?.join("python-ray"))
+        .and_then(|environment| environment.half("ray", RAY.join("\n"), || environment.install(RAY)));
+    let dir = environment.dir;
+    Ok(PythonEnv { dir, bag_tools, python_tools, rclpy, cyclone, mujoco, ray, colcon })
 }
 
 /// Makes an environment with the rclpy of a distribution, or finds it made.
@@ -176,6 +193,7 @@ impl PythonEnvCommand {
             (environment.rclpy, "rclpy with friction_msgs"),
             (environment.cyclone, "Cyclone DDS (cyclonedds)"),
             (environment.mujoco, "MuJoCo, the newest and an older one"),
+            (environment.ray, "Ray, and a server of an object store"),
             (environment.colcon, "colcon"),
         ] {
             match half {

@@ -162,7 +162,8 @@ mod tests {
             doubt: None,
         };
         let terms = model.terms().into_iter().zip(values).map(term).collect();
-        AxisFit { model, terms, relative_error: 0.0, residual_rms: 0.0, samples: 0 }
+        let correlation = Vec::new();
+        AxisFit { model, terms, correlation, relative_error: 0.0, residual_rms: 0.0, samples: 0 }
     }
 
     /// Runge and Kutta with steps far below the time between two changes.

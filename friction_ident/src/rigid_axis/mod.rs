@@ -112,6 +112,9 @@ pub struct AxisFit {
     pub model: AxisModel,
     /// The terms, in the order of [`AxisModel::terms`].
     pub terms: Vec<TermEstimate>,
+    /// How the errors of the terms go together, a row a term; empty where there are none.
+    #[serde(skip)]
+    pub correlation: Vec<Vec<f64>>,
     /// `100 |residual| / |force|` \[%\].
     pub relative_error: f64,
     /// Root mean square of the residual \[N or N m\].
@@ -314,6 +317,7 @@ pub fn fit_axis_freely(recording: &Conditioned, model: AxisModel) -> Result<Axis
     Ok(AxisFit {
         model,
         terms,
+        correlation: errors.map_or_else(Vec::new, |errors| errors.correlation()),
         relative_error: 100.0 * squares.sqrt() / regression.force.norm(),
         residual_rms: (squares / samples as f64).sqrt(),
         samples,

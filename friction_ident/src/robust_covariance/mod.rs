@@ -122,6 +122,17 @@ pub struct RobustCovariance {
     pub covariance: DMatrix<f64>,
 }
 
+impl RobustCovariance {
+    /// The correlations of the errors, a row a parameter.
+    pub fn correlation(&self) -> Vec<Vec<f64>> {
+        let n = self.covariance.nrows();
+        let error = |at: usize| self.covariance[(at, at)].sqrt();
+        let between = |a: usize, b: usize| self.covariance[(a, b)] / (error(a) * error(b));
+        let row = |a: usize| (0..n).map(|b| if a == b { 1.0 } else { between(a, b) }).collect();
+        (0..n).map(row).collect()
+    }
+}
+
 /// How the rows of a fit follow one another.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Course<'a> {

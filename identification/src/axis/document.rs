@@ -7,11 +7,13 @@
 //!                          gaps, missing, pauses, rate_changes, stretches, too_short, other_rate)
 //! validation               the same of the recording for the cross-test, or null
 //! settings                 cutoff_hz, acceleration_cutoff_hz, order, trim, decimate
+//! speeds                   [lowest, highest] of the recording [m/s or rad/s]; null where nothing moved
 //! standard_errors          how they were computed
 //! load                     chosen (`none`, `spring`, `gravity`), compared (pairs of load and relative error in the cross-validation [%]); or null
 //! symmetric, asymmetric    (the latter null where the recording does not show both directions)
 //!   parameters             name -> value, standard_error, half_width_95 (of the interval), white_error (of ordinary least squares, which counts the
 //!                          residual as white), unit, identifiable, not_to_be_trusted (why the interval is not, or null)
+//!   correlation            of the errors: names, matrix
 //!   relative_error_percent, residual_rms, residual_unit, samples
 //!   cross_test             relative_error_percent, samples; or null
 //!   free_run               rms and cross_test_rms of the simulated position, unit; null without --free-run
@@ -24,6 +26,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::{Identification, ModelResult, unit};
+use crate::speeds;
 use recording::{AxisKind, Recording};
 
 /// The document as text.
@@ -48,6 +51,7 @@ pub fn render(
             "trim": conditioning.trim,
             "decimate": conditioning.decimate,
         },
+        "speeds": speeds::range(found.symmetric.estimation.velocity.iter().copied()),
         "standard_errors": METHOD,
         "load": found.load,
         "symmetric": model(&found.symmetric, axis),
@@ -89,8 +93,10 @@ fn model(result: &ModelResult, axis: AxisKind) -> Value {
             (estimate.term.name().to_owned(), json!(parameter))
         })
         .collect();
+    let names: Vec<_> = result.fit.terms.iter().map(|estimate| estimate.term.name()).collect();
     json!({
         "parameters": parameters,
+        "correlation": { "names": names, "matrix": result.fit.correlation },
         "relative_error_percent": result.fit.relative_error,
         "residual_rms": result.fit.residual_rms,
         "residual_unit": axis.force_unit(),

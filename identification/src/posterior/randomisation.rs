@@ -31,7 +31,7 @@ pub fn table(samples: &Samples, of: Table, source: &str, joint: &str) -> Result<
     match of {
         Table::Csv => Ok(csv(samples)),
         Table::Mjlab => {
-            let rows = rows(samples, of, &[&["f_c"], &["f_v"]])?;
+            let rows = rows(samples, of, &[COULOMB, VISCOUS])?;
             Ok(python(
                 samples,
                 source,
@@ -42,12 +42,16 @@ pub fn table(samples: &Samples, of: Table, source: &str, joint: &str) -> Result<
             ))
         }
         Table::IsaacLab => {
-            let rows = rows(samples, of, &[&["f_s", "f_c"], &["f_c"], &["f_v"]])?;
+            let rows = rows(samples, of, &[&["f_s", "f_c", "coulomb"], COULOMB, VISCOUS])?;
             let what = "static and dynamic friction [N m], viscous friction [N m s/rad]";
             Ok(python(samples, source, joint, what, &rows, ISAAC_LAB))
         }
     }
 }
+
+/// Names that these friction models and axes have for them.
+const COULOMB: &[&str] = &["f_c", "coulomb"];
+const VISCOUS: &[&str] = &["f_v", "viscous"];
 
 fn csv(samples: &Samples) -> String {
     let mut text = samples.names.join(",") + "\n";

@@ -1,4 +1,5 @@
-//! The friction models of an `identification.json`, read back.
+//! The friction models of an `identification.json`, read back; of a driven axis its inertia, friction
+//! and loads, as far as they are the same both ways.
 
 use friction_model::{AnyModel, AnyParameters, ModelName};
 use serde::Deserialize;
@@ -27,6 +28,8 @@ pub struct Reported {
     pub rows: Vec<Row>,
     /// The correlations of the last fit: names, and the matrix.
     pub correlation: Option<Correlation>,
+    /// Whether it is of a driven axis, whose parameters have names of their own.
+    pub of_axis: bool,
 }
 
 /// A parameter.
@@ -75,6 +78,8 @@ pub struct Correlation {
 #[derive(Deserialize)]
 struct Document {
     format: String,
+    /// Of a driven axis.
+    symmetric: Option<Model>,
     #[serde(default)]
     speeds: Option<[f64; 2]>,
     #[serde(default)]
@@ -103,11 +108,18 @@ impl Report {
         let document: Document = serde_json::from_str(text).map_err(|error| {
             wrong(&format!("expected the identification.json of `identify`: {error}"))
         })?;
-        if document.format != "frictionlab-friction-identification" {
-            let of = &document.format;
-            return Err(wrong(&format!(
-                "expected an identification of friction models, but its format is `{of}`; `frictionlab identify --model NAME` makes one"
-            )));
+        match (document.format.as_str(), document.symmetric) {
+            ("frictionlab-friction-identification", _) => {}
+            ("frictionlab-identification", Some(axis)) => {
+                let axis = Reported::of_axis(axis).map_err(|error| wrong(&error))?;
+                let speeds = document.speeds;
+                return Ok(Self { name: name.to_owned(), speeds, models: vec![axis], chosen: None });
+            }
+            (of, _) => {
+                return Err(wrong(&format!(
+                    "expected an identification of friction or of an axis, but its format is `{of}`; `frictionlab identify` makes one"
+                )));
+            }
         }
         let models = document.models.into_iter().map(|(model, tree)| {
             let model = model_name(&model).map_err(|error| wrong(&error))?;
@@ -117,7 +129,7 @@ impl Report {
                 Ok(Row { name, ..row })
             });
             let rows: Vec<Row> = rows.collect::<Result<_, BadInput>>()?;
-            Ok(Reported { model, rows, correlation: read.correlation })
+            Ok(Reported { model, rows, correlation: read.correlation, of_axis: false })
         });
         Ok(Self {
             name: name.to_owned(),
@@ -149,7 +161,47 @@ impl Report {
     }
 }
 
+/// A parameter of a driven axis, as its document has it.
+#[derive(Deserialize)]
+struct AxisRow {
+    #[serde(deserialize_with = "number_or_none")]
+    value: f64,
+    unit: String,
+    standard_error: Option<f64>,
+    half_width_95: Option<f64>,
+    identifiable: bool,
+}
+
 impl Reported {
+    /// The model of a driven axis: its friction is that of Coulomb and viscous friction.
+    fn of_axis(read: Model) -> Result<Self, serde_json::Error> {
+        let rows = read.parameters.into_iter().map(|(name, row)| {
+            let row: AxisRow = serde_json::from_value(row)?;
+            let ends = row.half_width_95.map(|half| [row.value - half, row.value + half].map(Some));
+            Ok(Row {
+                name,
+                value: row.value,
+                unit: row.unit,
+                standard_error: row.standard_error,
+                interval_95: ends,
+                identified: row.identifiable,
+            })
+        });
+        let rows = rows.collect::<Result<_, serde_json::Error>>()?;
+        let model = ModelName::CoulombViscous;
+        Ok(Self { model, rows, correlation: read.correlation, of_axis: true })
+    }
+
+    /// What the model calls a parameter of the document; none for one that is not its own.
+    fn own_name<'a>(&self, name: &'a str) -> Option<&'a str> {
+        match name {
+            _ if !self.of_axis => Some(name),
+            "coulomb" => Some("f_c"),
+            "viscous" => Some("f_v"),
+            _ => None,
+        }
+    }
+
     /// The row of that name.
     #[must_use]
     pub fn row(&self, name: &str) -> Option<&Row> {
@@ -186,7 +238,8 @@ impl Reported {
     fn fill(&self, tree: &mut Map<String, Value>, side: &str, values: &[f64]) {
         let mut begun: Vec<&str> = Vec::new();
         for (row, value) in self.rows.iter().zip(values) {
-            let (full, of) = row.name.split_once('.').unwrap_or((&row.name, side));
+            let Some(name) = self.own_name(&row.name) else { continue };
+            let (full, of) = name.split_once('.').unwrap_or((name, side));
             let (plain, place) =
                 full.split_once('[').map_or((full, false), |(name, _)| (name, true));
             let known = tree.contains_key(plain)

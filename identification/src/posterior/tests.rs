@@ -70,6 +70,54 @@ fn samples_have_the_errors_and_the_correlations_of_the_report() {
     assert_eq!(again.rows, drawn.rows);
 }
 
+/// The document of a driven axis with this Coulomb friction.
+fn axis(coulomb: f64) -> Report {
+    let row = |value: f64, error: f64, unit: &str| {
+        json!({
+            "value": value, "standard_error": error, "half_width_95": 2.1 * error, "unit": unit,
+            "white_error": error, "identifiable": true, "not_to_be_trusted": null,
+        })
+    };
+    let document = json!({
+        "format": "frictionlab-identification",
+        "speeds": [0.02, 2.0],
+        "symmetric": {
+            "parameters": {
+                "inertia": row(0.01, 1e-4, "kg m^2"), "viscous": row(0.04, 1e-3, "N m s/rad"),
+                "coulomb": row(coulomb, 2e-3, "N m"), "offset": row(-0.01, 1e-3, "N m"),
+            },
+            "correlation": {
+                "names": ["inertia", "viscous", "coulomb", "offset"],
+                "matrix": [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, -0.7, 0.0], [0.0, -0.7, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]],
+            },
+        },
+    });
+    Report::read("axis", &document.to_string()).unwrap()
+}
+
+#[test]
+fn axes_are_drawn_and_compared_as_friction_models_are() {
+    let report = axis(0.1);
+    let drawn = samples(report.model(None).unwrap(), 5000, 3).unwrap();
+    assert_eq!(drawn.names, ["inertia", "viscous", "coulomb", "offset"]);
+    let mean = |of: &dyn Fn(&[f64]) -> f64| {
+        drawn.rows.iter().map(|row| of(row)).sum::<f64>() / drawn.rows.len() as f64
+    };
+    let both = mean(&|row| (row[2] - 0.1) * (row[1] - 0.04)) / (2e-3 * 1e-3);
+    assert!((both + 0.7).abs() < 0.1, "{both}");
+    // The friction of each sample is that of its row, without load and inertia.
+    for (row, model) in drawn.rows.iter().zip(&drawn.models) {
+        assert!((model.steady_state(1.0) - row[2] - row[1]).abs() < 1e-12);
+    }
+    assert!(!compare([&report, &axis(0.101)], None, None, 1).unwrap().differ);
+    let found = compare([&report, &axis(0.12)], None, None, 1).unwrap();
+    assert!(found.differ && found.answer().contains("coulomb"), "{}", found.answer());
+    assert!(found.parameters.iter().all(|of| (of.differs == Some(true)) == (of.name == "coulomb")));
+    assert!(table(&drawn, Table::IsaacLab, "axis", "elbow").unwrap().contains("ELBOW_FRICTION"));
+    // A model of friction is none of an axis.
+    assert!(report.model(Some(ModelName::LuGre)).is_err());
+}
+
 #[test]
 fn reports_of_one_joint_are_called_different_as_often_as_is_said() {
     let pairs = 200;

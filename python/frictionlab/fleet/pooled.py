@@ -32,7 +32,8 @@ class Pooled:
     standard_error: float
     # Low and high end, with 95 % between them. Open with one run alone.
     interval_95: tuple[float, float]
-    # Where another machine lies in 95 % of the cases; with one machine alone, another run.
+    # Where another machine lies (Higgins, Thompson and Spiegelhalter 2009); with one machine alone, another run. It holds
+    # in somewhat less than 95 % of the cases where few scatter no more than their errors, as their scatter is a guess.
     prediction_95: tuple[float, float]
     # Standard deviation of runs of one machine, beyond their own errors. None where no machine has two runs.
     within: float | None
@@ -89,8 +90,9 @@ def _levels(y: Floats, s: Floats, names: Places) -> Pooled:
     value = float(precisions @ means / total)
     excess = _about_mean(means, precisions) / (k - 1)
     error = float(np.sqrt(max(excess, 1.0) / total))
-    quantile = float(needed("scipy.stats", "fleet").t.ppf(0.975, k - 1))
-    reach = quantile * float(np.sqrt(between + error**2))
+    student = needed("scipy.stats", "fleet").t
+    quantile = float(student.ppf(0.975, k - 1))
+    reach = float(student.ppf(0.975, max(k - 2, 1))) * float(np.sqrt(between + error**2))
     return Pooled(
         value,
         error,

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from ..errors import BadInput
 from .settings import MEGABYTE, Settings
-from .sources import opened
+from .sources import ENDINGS, opened
 
 CHUNK = 1 << 20
 
@@ -34,7 +34,8 @@ def content(uri: str, settings: Settings) -> Iterator[Content]:
     """
     files, path = opened(uri, settings.storage)
     try:
-        folder = files.isdir(path)
+        # A store is asked no more than needed: what is called like a file is one.
+        folder = not path.endswith(ENDINGS) and files.isdir(path)
         names = sorted(files.find(path)) if folder else [path]
     except Exception as error:  # each store raises its own
         raise _unreadable(uri, error) from None

@@ -404,3 +404,19 @@ def test_two_identifications_are_compared(tmp_path):
     assert frictionlab.compare(folder, other).document["parameters"] == found.document["parameters"]
     with pytest.raises(frictionlab.BadInput, match="nowhere"):
         frictionlab.compare(tmp_path / "nowhere", one)
+
+
+def test_axes_have_samples_a_covariance_and_a_comparison():
+    found = frictionlab.identify(driven())
+    matrix = found.covariance()
+    assert list(matrix.columns) == ["inertia", "viscous", "coulomb", "offset"]
+    assert matrix.loc["coulomb", "coulomb"] == pytest.approx(found["symmetric"]["coulomb"].standard_error ** 2)
+    assert matrix.loc["viscous", "coulomb"] < 0.0, "more of one is less of the other"
+    drawn, both = found.samples(20_000, seed=1), ["viscous", "coulomb"]
+    assert np.allclose(drawn[both].cov(), matrix.loc[both, both], rtol=0.25)
+    assert "ELBOW_FRICTION" in found.randomisation("mjlab", 100, joint="elbow")
+    assert not frictionlab.compare(found, frictionlab.identify(driven(19.0))).differ
+    worn = driven()
+    worn["torque_Nm"] = worn["torque_Nm"] + 0.02 * np.sign(np.gradient(worn["position_rad"]))
+    told = frictionlab.compare(found, frictionlab.identify(worn))
+    assert told.differ and "coulomb" in told.answer

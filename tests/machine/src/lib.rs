@@ -31,6 +31,8 @@ pub enum Need {
     Cyclone,
     /// MuJoCo, the newest and an older one.
     Mujoco,
+    /// Ray and an object store.
+    RayCluster,
     /// A network namespace, so that nothing leaves the machine.
     Namespace,
     /// Two network namespaces with a wire between them.
@@ -75,6 +77,7 @@ impl Need {
             Self::Colcon => "no colcon: `cargo xtask python-env` makes it",
             Self::Cyclone => "no Python with Cyclone DDS: `cargo xtask python-env` makes it",
             Self::Mujoco => "no Python with MuJoCo: `cargo xtask python-env` makes it",
+            Self::RayCluster => "no Python with Ray: `cargo xtask python-env` makes it",
             Self::Namespace => {
                 "no network namespace (`unshare -n` with `ip`): run as root or allow user namespaces"
             }
@@ -116,6 +119,7 @@ impl Need {
                 part("FRICTION_PYTHON_ENV_MUJOCO", "python-mujoco", "mujoco")
                     && part("FRICTION_PYTHON_ENV_MUJOCO_3", "python-mujoco-3", "mujoco")
             }
+            Self::RayCluster => part("FRICTION_PYTHON_ENV_RAY", "python-ray", "ray"),
             Self::Namespace => namespace_flags().is_some(),
             Self::Machines => namespace_flags().is_some() && two_namespaces(),
             Self::Ros2 => succeeds("ros2", &[&["--help"]]),

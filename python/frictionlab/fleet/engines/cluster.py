@@ -7,6 +7,7 @@ node ended is given to another; one that ended several is told as the recording'
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Generator, Iterable
 from typing import Any
 
@@ -18,6 +19,8 @@ from . import TRIES, died
 
 # Losses of workers that are no recording's fault (a node goes, memory runs out elsewhere) come together.
 LOSSES = 2 * TRIES
+# How often the cluster is asked for its size [s].
+LOOK = 5.0
 
 
 class Cluster:
@@ -37,6 +40,7 @@ class Cluster:
                 ) from None
         self.workers = workers or max(1, int(ray.cluster_resources().get("CPU", 1)))
         self._given = workers is not None
+        self._asked = time.monotonic()
         self._settings = settings
 
     def outcomes(self, tasks: Iterable[Task]) -> Generator[Outcome, None, None]:
@@ -88,5 +92,8 @@ class Cluster:
         return found
 
     def _grown(self) -> None:
-        """A cluster gains and loses nodes."""
+        """A cluster gains and loses nodes: it is asked now and then."""
+        if time.monotonic() - self._asked < LOOK:
+            return
+        self._asked = time.monotonic()
         self.workers = max(1, int(self._ray.cluster_resources().get("CPU", self.workers)))
