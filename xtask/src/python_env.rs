@@ -109,8 +109,9 @@ pub fn prepare() -> anyhow::Result<PythonEnv> {
     });
     let colcon = environment.half("colcon", COLCON.join("\n"), || environment.install(COLCON));
     let mujoco = mujoco().map(drop);
-    let ray = Environment::make(&target()?.join("python-ray"))
-        .and_then(|environment| environment.half("ray", RAY.join("\n"), || environment.install(RAY)));
+    let ray = Environment::make(&target()?.join("python-ray")).and_then(|environment| {
+        environment.half("ray", RAY.join("\n"), || environment.install(RAY))
+    });
     let dir = environment.dir;
     Ok(PythonEnv { dir, bag_tools, python_tools, rclpy, cyclone, mujoco, ray, colcon })
 }

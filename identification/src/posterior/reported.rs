@@ -113,7 +113,12 @@ impl Report {
             ("frictionlab-identification", Some(axis)) => {
                 let axis = Reported::of_axis(axis).map_err(|error| wrong(&error))?;
                 let speeds = document.speeds;
-                return Ok(Self { name: name.to_owned(), speeds, models: vec![axis], chosen: None });
+                return Ok(Self {
+                    name: name.to_owned(),
+                    speeds,
+                    models: vec![axis],
+                    chosen: None,
+                });
             }
             (of, _) => {
                 return Err(wrong(&format!(

@@ -11,8 +11,10 @@ import socket
 import subprocess
 import sys
 import time
+import urllib.request
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 ray = pytest.importorskip("ray")
@@ -65,7 +67,7 @@ def cluster():
 
     memory = {"object_store_memory": 80_000_000}
     # A busy machine is late with its heartbeats: no node but the killed one is to count as lost.
-    patient = {"health_check_failure_threshold": 60, "health_check_timeout_ms": 60_000}
+    patient = {"health_check_failure_threshold": 10, "health_check_timeout_ms": 30_000}
     made = Cluster(
         initialize_head=True,
         connect=False,
@@ -84,12 +86,20 @@ def parts(out):
 
 
 def workers_of(node):
-    """The processes that work on a node."""
+    """The processes of a node that identify recordings now."""
     found = []
     for process in node.all_processes["raylet"]:
         for task in Path(f"/proc/{process.process.pid}/task").iterdir():
             found += [int(pid) for pid in (task / "children").read_text().split()]
-    return [pid for pid in found if b"ray::" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+    return [pid for pid in found if b"ray::outcome" in named(pid)]
+
+
+def named(pid):
+    """What a process calls itself; nothing where it has ended."""
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_bytes()
+    except OSError:
+        return b""
 
 
 def test_a_lost_worker_and_a_lost_node_change_nothing(store, cluster, tmp_path):
@@ -134,3 +144,10 @@ def test_a_store_that_refuses_is_told(store, tmp_path):
     closed = {"endpoint_url": "http://127.0.0.1:9"}
     with pytest.raises(BadInput, match="cannot be listed"):
         fleet.run("s3://fleet", tmp_path / "out", storage=closed)
+    # From here on the server looks at credentials: this is the last test.
+    urllib.request.urlopen(urllib.request.Request(f"{store['endpoint_url']}/moto-api/reset-auth", data=b"0"))
+    with pytest.raises(BadInput, match="cannot be listed"):
+        fleet.run("s3://fleet/arm1", tmp_path / "out", storage=store)
+    asked = pd.DataFrame({"uri": ["s3://fleet/arm1/1700003600.csv"], "stamp": ["unknown"]})
+    found = fleet.run(asked, tmp_path / "out", storage=store, model="coulomb_viscous", workers=1)
+    assert "not allowed" in found.failed["error"].iloc[0] and "credentials" in found.failed["error"].iloc[0]

@@ -193,6 +193,8 @@ NUMBERS = {"t_s": np.arange(50) * 1e-3, "velocity_rad_s": np.ones(50)}
         (lambda: frictionlab.Model("lugre").sweep({"f_c": [0.09, -1.0]}, [0.1], 1e-3), "parameter set 1"),
         (lambda: frictionlab.Model("lugre").sweep({"f_c": [0.09], "f_v": []}, [0.1], 1e-3), "`f_v` has 0"),
         (lambda: frictionlab.identify("none.csv"), "No such file"),
+        (lambda: frictionlab.identify("s3://bucket/x.csv"), "got the address s3://bucket/x.csv"),
+        (lambda: frictionlab.identify({"velocity_furlong": np.ones(50), "torque_Nm": np.ones(50)}), "velocity_furlong"),
         (lambda: frictionlab.identify(closed()), "closed file"),
         (lambda: frictionlab.identify(3), "files, DataFrames or arrays"),
         (lambda: frictionlab.identify([3]), "got int"),
