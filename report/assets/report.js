@@ -104,7 +104,7 @@
     const marked = new Set(all.map((other) => other.name)).size > MANY_SERIES && !faint && trace.kind !== 'loop';
     return { ...data, mode: marked ? 'lines+markers' : 'lines', connectgaps: false,
       ...(marked ? { marker: { color: own, symbol, size: 6, maxdisplayed: 9 } } : {}),
-      line: { color: faint ? faded(own, 0.4) : own, width: faint ? 0.9 : trace.kind === 'loop' ? THIN : STROKE,
+      line: { color: faint ? faded(own, 0.55) : own, width: faint ? 0.9 : trace.kind === 'loop' ? THIN : STROKE,
         dash: stroke, simplify: false } };
   };
 
@@ -166,7 +166,23 @@
     return layout;
   };
 
-  const draw = (place, size = {}) => {
+  // Rows of a legend that a figure's height has room for [px]; what is more makes the figure higher, not its curves lower.
+  const LEGEND = 64;
+  const places = [...document.querySelectorAll('.plot')];
+  const heights = places.map((place) => parseFloat(place.style.height));
+
+  const draw = async (place, size = {}) => {
+    const height = size.height ?? heights[places.indexOf(place)];
+    place.style.height = height + 'px';
+    await drawIn(place, size);
+    const more = Math.ceil((place._fullLayout.legend?._height ?? 0) - LEGEND);
+    if (!(more > 0)) return;
+    place.style.height = height + more + 'px';
+    await drawIn(place, { ...size, height: height + more });
+    if (size.height === undefined) delete place.layout.height;
+  };
+
+  const drawIn = (place, size) => {
     const number = place.id.slice('plot-'.length);
     const figure = JSON.parse(document.getElementById('data-' + number).textContent);
     const colour = colours();
@@ -178,13 +194,14 @@
       { ...CONFIG, toImageButtonOptions: { ...CONFIG.toImageButtonOptions, filename: 'figure-' + number } });
     // With these a printer may scale the drawing to the sheet, whatever that is.
     place.querySelectorAll('.main-svg').forEach((svg) => {
+      // The figure says what it shows in words; its labels, one by one, would say nothing.
+      svg.setAttribute('aria-hidden', 'true');
       svg.setAttribute('viewBox', `0 0 ${svg.getAttribute('width')} ${svg.getAttribute('height')}`);
     });
     place.style.setProperty('--shape', `${place._fullLayout.width} / ${place._fullLayout.height}`);
     return done;
   };
 
-  const places = [...document.querySelectorAll('.plot')];
   const drawAll = async () => {
     for (const place of places) {
       try {
@@ -201,13 +218,10 @@
 
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', drawAll);
   // On paper: dark on white, as wide as the sheet, and lower, so that a figure rarely needs a page of its own.
-  const onScreen = places.map((place) => parseFloat(place.style.height));
   const lay = (printing) => {
     document.documentElement.toggleAttribute('data-print', printing);
     places.forEach((place, i) => {
-      const size = printing ? { width: 680, height: 0.7 * onScreen[i] } : {};
-      place.style.height = (size.height ?? onScreen[i]) + 'px';
-      draw(place, size);
+      draw(place, printing ? { width: 680, height: 0.7 * heights[i] } : {});
     });
   };
   addEventListener('beforeprint', () => lay(true));

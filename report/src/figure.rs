@@ -1,6 +1,6 @@
 //! Pictures as data: what is drawn, in which units; nothing about how.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// One picture with its title and caption. Panels are stacked and share the horizontal axis.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -99,7 +99,7 @@ pub enum Mark {
 }
 
 /// Stroke of a line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LineStyle {
     /// The series' own stroke, continuous for most.
@@ -114,7 +114,7 @@ pub enum LineStyle {
 }
 
 /// A table of text cells; numbers are formatted by whoever knows their precision.
-#[derive(Debug, Clone, Default, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Table {
     /// Short title.
     pub title: String,
@@ -147,7 +147,7 @@ pub enum Block {
 }
 
 /// A file or folder beside the page.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FileLink {
     /// Its path from the page's folder.
     pub path: String,

@@ -8,6 +8,7 @@
 pub mod figure;
 pub mod files;
 mod html;
+mod kept;
 pub mod numbers;
 mod page;
 mod palette;
@@ -18,4 +19,5 @@ mod table;
 mod thin;
 
 pub use files::linked;
+pub use kept::{Kept, NotKept, read_page};
 pub use page::render_page;

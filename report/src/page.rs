@@ -6,6 +6,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::figure::{Block, Figure, FileLink, Page};
 use super::html::{json_element, prose};
+use super::kept;
 use super::palette::Palette;
 use super::plot::Plot;
 use super::table;
@@ -65,6 +66,9 @@ pub fn render_page(page: &Page) -> String {
                     "."
                 }
                 (scripts(&counted))
+                script type="application/json" id=(kept::ELEMENT) {
+                    (json_element(&kept::json(page, &palette)))
+                }
             }
         }
     }
@@ -169,7 +173,7 @@ fn figure(figure: &Figure, number: usize, palette: &Palette) -> Markup {
         }
         figure id={ "figure-" (number) } aria-labelledby=(caption) {
             div class="plot" id={ "plot-" (number) } style={ "height:" (height) "px" }
-                role="img" aria-label=(plot.description()) {}
+                role="group" aria-label=(plot.description()) {}
             figcaption id=(caption) {
                 b { "Figure " (number) ". " (prose(figure.title.trim_end_matches('.'))) "." }
                 " " (prose(&figure.caption))
@@ -259,9 +263,10 @@ mod tests {
     fn no_text_becomes_markup() {
         let html = render_page(&nasty_page());
         assert!(!html.contains("<img"), "an element got through");
-        // Data, library, our scripts: each opened and closed once, none closed by a label.
-        assert_eq!(html.matches("<script").count(), 5);
-        assert_eq!(html.matches("</script").count(), 5);
+        // Data, library, our scripts, the page as data: each opened and closed once, none closed by
+        // a label.
+        assert_eq!(html.matches("<script").count(), 6);
+        assert_eq!(html.matches("</script").count(), 6);
         assert_eq!(html.matches("&lt;/script&gt;").count(), html.matches("&lt;img").count());
         // Page 3, sections 3 and their contents, paragraphs 2, figures 5 each, table 9 and its first
         // column twice, files 2.
@@ -290,7 +295,7 @@ mod tests {
         let page =
             Page { title: "t".into(), blocks: vec![Block::Text("x".into())], ..Page::default() };
         let html = render_page(&page);
-        assert!(!html.contains("<script"));
+        assert_eq!(html.matches("<script").count(), 1, "the page as data");
         assert!(html.len() < 20_000);
     }
 
@@ -326,6 +331,6 @@ mod tests {
         assert!(html.contains("<b>Figure 1. "));
         assert!(html.contains("<b>Table 1. "));
         assert!(html.contains("aria-labelledby=\"caption-1\""));
-        assert!(html.contains("role=\"img\" aria-label=\"Plot of "));
+        assert!(html.contains("role=\"group\" aria-label=\"Plot of "));
     }
 }

@@ -12,6 +12,7 @@ pub mod browser;
 pub mod emulated_rig;
 pub mod filled;
 pub mod network;
+pub mod pictures;
 pub mod python;
 pub mod readers;
 pub mod simulators;

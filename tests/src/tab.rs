@@ -197,6 +197,29 @@ impl Tab {
         std::fs::write(png, base64(data)).expect("the picture is written");
     }
 
+    /// A picture of the whole page, beyond the window too, in WebP without loss; `scale` times as
+    /// large.
+    ///
+    /// # Panics
+    /// When there is none.
+    pub fn whole_picture(&mut self, scale: f64) -> Vec<u8> {
+        let size = self.evaluate(
+            "[document.documentElement.clientWidth, document.documentElement.scrollHeight]",
+        );
+        let clip = json!({ "x": 0, "y": 0, "width": size[0], "height": size[1], "scale": scale });
+        let how = json!({ "format": "png", "captureBeyondViewport": true, "clip": clip });
+        let answer = self.ask("Page.captureScreenshot", &how);
+        let png = answer["data"].as_str().expect("a picture");
+        // The browser itself makes it small.
+        let small = self.evaluate(&format!(
+            "(async () => {{ const picture = new Image(); picture.src = 'data:image/png;base64,{png}'; await picture.decode();
+             const canvas = document.createElement('canvas'); [canvas.width, canvas.height] = [picture.width, picture.height];
+             canvas.getContext('2d').drawImage(picture, 0, 0); return canvas.toDataURL('image/webp', 1); }})()"
+        ));
+        let url = small.as_str().expect("a picture");
+        base64(url.split_once(',').expect("an address of data").1)
+    }
+
     /// What the page complained about since this was asked last: script errors, console errors and
     /// warnings, breaches of its policy.
     pub fn complaints(&mut self) -> Vec<String> {
@@ -281,6 +304,21 @@ fn first_page(port: u16) -> Option<String> {
     let list: Value = serde_json::from_str(list).ok()?;
     let page = list.as_array()?.iter().find(|one| one["type"] == "page")?;
     page["webSocketDebuggerUrl"].as_str().map(str::to_owned)
+}
+
+/// Bytes in base64.
+pub(crate) fn to_base64(bytes: &[u8]) -> String {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for three in bytes.chunks(3) {
+        let byte = |at: usize| u32::from(three.get(at).copied().unwrap_or(0));
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        for place in 0..4 {
+            let letter = LETTERS[(bits >> (18 - 6 * place) & 63) as usize];
+            text.push(if place <= three.len() { char::from(letter) } else { '=' });
+        }
+    }
+    text
 }
 
 /// Bytes that are written in base64.

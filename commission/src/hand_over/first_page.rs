@@ -106,7 +106,7 @@ fn before_and_after(found: &Found) -> Figure {
         caption:
             "Mean distance from a slow path with reversals, by the encoder. Shorter is better."
                 .to_owned(),
-        x_label: String::new(),
+        x_label: "what drives the axis".to_owned(),
         log_x: false,
         panels: vec![Panel { y_label: "error [mrad]".to_owned(), traces }],
     }

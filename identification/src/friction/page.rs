@@ -180,7 +180,7 @@ fn correlation(result: &ModelResult) -> Option<Table> {
             "Of the {}. Near 1 or -1 two parameters can hardly be told apart.",
             stage.stage.describe()
         ),
-        columns: std::iter::once(String::new()).chain(names).collect(),
+        columns: std::iter::once("parameter".to_owned()).chain(names).collect(),
         rows,
         highlight: None,
     })

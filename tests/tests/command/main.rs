@@ -5,4 +5,5 @@ mod from_outside;
 mod fuzz;
 mod report_browser;
 mod report_layout;
+mod report_pictures;
 mod run;
