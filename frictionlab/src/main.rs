@@ -7,7 +7,7 @@ use frictionlab::cli::help::prepared;
 use frictionlab::cli::{
     bag, commission, compare, completions, design, exit_code, export, features, identify_drive,
     identify_joints, identify_servo, identify_stiction, look, manual, models, monte_carlo,
-    protocols, rig, run, samples, simulate, told, truth_matrix, view,
+    protocols, report, rig, run, runs, samples, simulate, told, truth_matrix, view,
 };
 use machine_rig::MachineFactory;
 use rig_driver::RigRegistry;
@@ -45,7 +45,9 @@ enum Command {
     Models(models::ModelsArgs),
     MonteCarlo(monte_carlo::MonteCarloArgs),
     Protocols(protocols::ProtocolsArgs),
+    Report(report::ReportArgs),
     Rig(Box<rig::RigArgs>),
+    Runs(runs::RunsArgs),
     Samples(samples::SamplesArgs),
     Simulate(simulate::SimulateArgs),
     TruthMatrix(truth_matrix::TruthMatrixArgs),
@@ -100,7 +102,9 @@ fn main() -> ExitCode {
         Command::Models(args) => models::execute(&args),
         Command::MonteCarlo(args) => monte_carlo::execute(&args),
         Command::Protocols(args) => protocols::execute(&args),
+        Command::Report(args) => report::execute(&args),
         Command::Rig(args) => rig::execute(&args),
+        Command::Runs(args) => runs::execute(&args),
         Command::Samples(args) => samples::execute(&args),
         Command::Simulate(args) => simulate::execute(&args),
         Command::TruthMatrix(args) => truth_matrix::execute(&args),

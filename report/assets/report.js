@@ -171,15 +171,17 @@
   const places = [...document.querySelectorAll('.plot')];
   const heights = places.map((place) => parseFloat(place.style.height));
 
-  const draw = async (place, size = {}) => {
+  // At once, without waiting: a printer waits for nobody.
+  const draw = (place, size = {}) => {
     const height = size.height ?? heights[places.indexOf(place)];
     place.style.height = height + 'px';
-    await drawIn(place, size);
+    const done = drawIn(place, size);
     const more = Math.ceil((place._fullLayout.legend?._height ?? 0) - LEGEND);
-    if (!(more > 0)) return;
+    if (!(more > 0)) return done;
     place.style.height = height + more + 'px';
-    await drawIn(place, { ...size, height: height + more });
+    const again = drawIn(place, { ...size, height: height + more });
     if (size.height === undefined) delete place.layout.height;
+    return again;
   };
 
   const drawIn = (place, size) => {

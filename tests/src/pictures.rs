@@ -39,12 +39,12 @@ pub fn boxed(html: &str, file: &Path) {
     fs::write(file, format!("{before}{style}{after}")).expect("the copy is written");
 }
 
-/// An expression that is true once the letters are boxes and the figures are drawn with them.
+/// An expression: a promise of true, once the letters are boxes and the figures are drawn with them.
 pub const SETTLED: &str = "(async () => {
     await Promise.all(['400', '600', '650'].map((weight) => document.fonts.load(`${weight} 16px Boxes`)));
     await document.fonts.ready;
     const figures = [...document.querySelectorAll('.plot')];
-    if (document.documentElement.dataset.figures !== 'drawn' && figures.length) return false;
+    
     for (const figure of figures) await Plotly.redraw(figure);
     return true;
 })()";
@@ -75,8 +75,7 @@ impl Difference {
 /// # Panics
 /// When one is no picture.
 pub fn compare(tab: &mut Tab, seen: &[u8], expected: &[u8]) -> Difference {
-    let url =
-        |picture: &[u8]| format!("data:image/webp;base64,{}", crate::tab::to_base64(picture));
+    let url = |picture: &[u8]| format!("data:image/webp;base64,{}", crate::tab::to_base64(picture));
     let found = tab.evaluate(&format!(
         "(async (seenUrl, expectedUrl, tolerance) => {{ {COMPARE} }})({}, {}, {TOLERANCE})",
         json!(url(seen)),

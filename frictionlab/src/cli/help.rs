@@ -24,7 +24,7 @@ const GROUPS: [(&str, &[&str]); 8] = [
     ("Live on ROS 2", &["live", "launch", "node", "serve", "security"]),
     ("Rig", &["rig", "doctor"]),
     ("Science", &["models", "simulate", "export", "features", "truth-matrix"]),
-    ("Files", &["bag", "view"]),
+    ("Files", &["runs", "report", "bag", "view"]),
     ("Help", &["completions", "manual"]),
 ];
 

@@ -35,9 +35,11 @@ pub mod monte_carlo;
 #[cfg(feature = "ros")]
 pub mod node;
 pub mod protocols;
+pub mod report;
 mod resume;
 pub mod rig;
 pub mod run;
+pub mod runs;
 pub mod samples;
 #[cfg(feature = "ros")]
 pub mod security;

@@ -4,6 +4,9 @@
 use std::path::Path;
 
 use tests::browser::Browser;
+use tests::tab::Tab;
+
+use crate::report_pictures::{barriers, misfits};
 
 const LAYOUT: &str = include_str!("../../browser/layout.js");
 
@@ -32,6 +35,8 @@ fn assert_fits(browser: &Browser, folder: &Path, out: &str) {
     let out_folder = folder.join(out);
     let html = std::fs::read_to_string(out_folder.join("report.html")).expect("a report");
     let seen = browser.load_at(WINDOW, &html, LAYOUT);
+    let file = out_folder.join("report.html");
+    assert_eq!(misfits(&mut Tab::open(), &file), [""; 0], "{out}");
     assert_eq!(seen.complaints, [""; 0], "{out}: the page complains");
     assert_eq!(seen.requests, [""; 0], "{out}: the page reaches out");
     for (number, figure) in seen.figures.iter().enumerate() {
@@ -153,6 +158,33 @@ fn reports_of_studies_fit_window_and_paper() {
         &["design", "position", "--overshoot", "15", "--rise", "0.2", "--settling", "1"],
     );
     assert_fits(&browser, folder, "design");
+}
+
+#[tests::needs(chromium, axe)]
+#[test]
+fn nothing_keeps_people_from_the_reports() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    make(folder, "all", &["run", "--quick"]);
+    make(folder, "features", &["features", "--model", "coulomb,lugre,proposed"]);
+    make(folder, "design", &["design", "position", "--retuned"]);
+    make(folder, "other", &["run", "--quick", "--seed", "2"]);
+    make(folder, "characterise", &["run", "characterise", "--quick"]);
+    let points = "characterise/steady_points.csv";
+    make(folder, "identify", &["identify", points, "--model", "stribeck,proposed"]);
+    let compare = ["runs", "compare", "all", "other", "--out", "both"];
+    let run = tests::frictionlab().args(compare).current_dir(folder).output().expect("it starts");
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    // A page that is made of the documents alone.
+    std::fs::remove_file(folder.join("other/report.html")).expect("a report");
+    let run = tests::frictionlab().args(["report", "other"]).current_dir(folder).output();
+    assert!(run.expect("it starts").status.success());
+    let mut tab = Tab::open();
+    for out in ["all", "features", "design", "characterise", "identify", "both", "other"] {
+        let file = folder.join(out).join("report.html");
+        assert_eq!(barriers(&mut tab, &file), [""; 0], "{out}");
+        assert_eq!(misfits(&mut tab, &file), [""; 0], "{out}");
+    }
 }
 
 #[tests::needs(chromium, emps, qube_servo)]

@@ -71,7 +71,7 @@ fn the_demonstration_page_looks_as_it_did() {
     for width in WIDTHS {
         for dark in [false, true] {
             show(&mut tab, &file, width, dark);
-            tab.until(SETTLED);
+            assert_eq!(tab.evaluate(SETTLED), true);
             let name = format!("report_{width}_{}", if dark { "dark" } else { "light" });
             wrong.extend(complaint(&mut tab, &name));
         }
@@ -90,7 +90,7 @@ fn a_page_that_looks_different_is_noticed() {
     let mut picture = |html: &str| {
         boxed(html, &file);
         show(&mut tab, &file, 900, false);
-        tab.until(SETTLED);
+        assert_eq!(tab.evaluate(SETTLED), true);
         tab.whole_picture(0.5)
     };
     let sound = picture(&html);
