@@ -136,3 +136,33 @@ fn shown(name: &str, seen: &[u8], expected: &[u8], found: &Difference) -> PathBu
     fs::write(&page, html).expect("the page is written");
     page
 }
+
+/// How many pixels there are of each hue (in twelfths of the circle) that is strong, in the middle
+/// of a picture (PNG), away from the frames that programs put around what they show.
+///
+/// # Panics
+/// When it is no picture.
+pub fn strong_colours(tab: &mut Tab, png: &Path) -> std::collections::BTreeMap<u8, u64> {
+    let picture = fs::read(png).expect("a picture");
+    let url = format!("data:image/png;base64,{}", crate::tab::to_base64(&picture));
+    let counts = tab.evaluate(&format!(
+        "(async (url) => {{
+            const picture = new Image(); picture.src = url; await picture.decode();
+            const canvas = new OffscreenCanvas(picture.naturalWidth, picture.naturalHeight);
+            const context = canvas.getContext('2d'); context.drawImage(picture, 0, 0);
+            const [left, top] = [Math.round(0.17 * canvas.width), Math.round(0.08 * canvas.height)];
+            const {{ data }} = context.getImageData(left, top, Math.round(0.6 * canvas.width), Math.round(0.6 * canvas.height));
+            const counts = Array(12).fill(0);
+            for (let at = 0; at < data.length; at += 4) {{
+                const [r, g, b] = [data[at], data[at + 1], data[at + 2]], most = Math.max(r, g, b), least = Math.min(r, g, b);
+                if (most - least < 70) continue;
+                const hue = most === r ? (g - b) / (most - least) : most === g ? 2 + (b - r) / (most - least) : 4 + (r - g) / (most - least);
+                counts[Math.floor(2 * ((hue + 6) % 6)) % 12]++;
+            }}
+            return counts; }})({})",
+        json!(url)
+    ));
+    let counts = counts.as_array().into_iter().flatten().filter_map(Value::as_u64);
+    let few = 100;
+    (0..).zip(counts).filter(|(_, count)| *count > few).collect()
+}

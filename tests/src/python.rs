@@ -55,6 +55,15 @@ fn interpreter_in(variable: &str, beside: &str, part: &str) -> PathBuf {
     python
 }
 
+/// The program `rerun` of an environment of its own. `$FRICTION_PYTHON_ENV_RERUN` names one
+/// elsewhere.
+///
+/// # Panics
+/// As [`interpreter`].
+pub fn rerun() -> PathBuf {
+    interpreter_in("FRICTION_PYTHON_ENV_RERUN", "python-rerun", "rerun").with_file_name("rerun")
+}
+
 /// The interpreter of an environment of its own with a peer on Cyclone DDS.
 /// `$FRICTION_PYTHON_ENV_CYCLONE` names one elsewhere.
 ///

@@ -35,15 +35,33 @@ impl Tab {
     /// # Panics
     /// Where none is installed, or it does not start.
     pub fn open() -> Self {
+        Self::open_with(&["--disable-gpu"])
+    }
+
+    /// As [`open`](Self::open), for pages that draw by WebGL; the processor draws.
+    ///
+    /// # Panics
+    /// As [`open`](Self::open).
+    pub fn drawing() -> Self {
+        Self::open_with(&[
+            "--use-gl=angle",
+            "--use-angle=swiftshader",
+            "--enable-unsafe-swiftshader",
+            "--ignore-gpu-blocklist",
+        ])
+    }
+
+    fn open_with(flags: &[&str]) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let profile = folder.path().join("profile");
         let browser = Command::new(machine::chromium().expect("a browser"))
-            .args(["--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run"])
+            .args(["--headless=new", "--no-sandbox", "--no-first-run"])
             .args(["--disable-background-networking", "--disable-component-update"])
             .args(["--disable-sync", "--disable-quic", "--disable-dev-shm-usage"])
             // A tab that is not in front is as quick as one that is.
             .args(["--disable-background-timer-throttling", "--disable-renderer-backgrounding"])
             .arg("--disable-backgrounding-occluded-windows")
+            .args(flags)
             .arg("--remote-debugging-port=0")
             .arg("--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1")
             .arg(format!("--user-data-dir={}", profile.display()))

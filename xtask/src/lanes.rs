@@ -49,6 +49,7 @@ const IN_REAL_TIME: [&str; 35] = [
     "stopping",
     "strangers",
     "view",
+    "viewers",
     "python_package",
 ];
 

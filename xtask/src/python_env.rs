@@ -51,6 +51,9 @@ const SCIPY: &[&str] = &["numpy", "scipy", "numba"];
 /// A peer of another middleware than rclpy's.
 const CYCLONE: &[&str] = &["cyclonedds==11.0.1"];
 
+/// A viewer that reads bags.
+const RERUN: &[&str] = &["rerun-sdk==0.41.0"];
+
 /// MuJoCo, the newest that the exports know.
 const MUJOCO: &[&str] = &["mujoco==4.0.0"];
 
@@ -82,6 +85,8 @@ pub struct PythonEnv {
     pub rclpy: anyhow::Result<()>,
     /// Why there is no Cyclone DDS, which has an environment of its own, if there is none.
     pub cyclone: anyhow::Result<()>,
+    /// Why there is no rerun, which has an environment of its own, if there is none.
+    pub rerun: anyhow::Result<()>,
     /// Why there is no MuJoCo, of which two versions have environments of their own, if there is
     /// none.
     pub mujoco: anyhow::Result<()>,
@@ -107,13 +112,25 @@ pub fn prepare() -> anyhow::Result<PythonEnv> {
     let cyclone = Environment::make(&target()?.join("python-cyclone")).and_then(|environment| {
         environment.half("cyclone", CYCLONE.join("\n"), || environment.install(CYCLONE))
     });
+    let rerun = Environment::make(&target()?.join("python-rerun")).and_then(|environment| {
+        environment.half("rerun", RERUN.join("\n"), || environment.install(RERUN))
+    });
     let colcon = environment.half("colcon", COLCON.join("\n"), || environment.install(COLCON));
     let mujoco = mujoco().map(drop);
     let ray = Environment::make(&target()?.join("python-ray")).and_then(|environment| {
         environment.half("ray", RAY.join("\n"), || environment.install(RAY))
     });
-    let dir = environment.dir;
-    Ok(PythonEnv { dir, bag_tools, python_tools, rclpy, cyclone, mujoco, ray, colcon })
+    Ok(PythonEnv {
+        dir: environment.dir,
+        bag_tools,
+        python_tools,
+        rclpy,
+        cyclone,
+        rerun,
+        mujoco,
+        ray,
+        colcon,
+    })
 }
 
 /// Makes an environment with the rclpy of a distribution, or finds it made.
@@ -193,6 +210,7 @@ impl PythonEnvCommand {
             (environment.python_tools, "mypy, notebooks (nbclient, ipykernel), maturin"),
             (environment.rclpy, "rclpy with friction_msgs"),
             (environment.cyclone, "Cyclone DDS (cyclonedds)"),
+            (environment.rerun, "a viewer of bags (rerun-sdk)"),
             (environment.mujoco, "MuJoCo, the newest and an older one"),
             (environment.ray, "Ray, and a server of an object store"),
             (environment.colcon, "colcon"),

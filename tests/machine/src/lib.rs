@@ -43,6 +43,10 @@ pub enum Need {
     Chromium,
     /// The checks of accessibility that `npm ci` brings.
     Axe,
+    /// A client of the view that others wrote.
+    ViewerClient,
+    /// A viewer of bags that others wrote.
+    Rerun,
     /// Headers of Fast DDS, for a peer of another vendor in C++.
     FastDds,
     /// The recordings of the EMPS benchmark.
@@ -89,6 +93,10 @@ impl Need {
             }
             Self::Chromium => "no Chromium: install `chromium`, or name one in CHROMIUM",
             Self::Axe => "no axe-core: run `npm ci` in `web`",
+            Self::ViewerClient => {
+                "no client of the view: run `npm ci --ignore-scripts` in `tests/viewers`"
+            }
+            Self::Rerun => "no Python with rerun: `cargo xtask python-env` makes it",
             Self::FastDds => {
                 "no Fast DDS: `apt-get install libssl-dev libfastrtps-dev libfastcdr-dev`"
             }
@@ -125,6 +133,11 @@ impl Need {
             Self::Ros2 => succeeds("ros2", &[&["--help"]]),
             Self::Chromium => chromium().is_some(),
             Self::Axe => axe().is_file(),
+            Self::ViewerClient => {
+                viewer_client().join("node_modules/@foxglove/ws-protocol").is_dir()
+                    && succeeds("node", &[&["--version"]])
+            }
+            Self::Rerun => part("FRICTION_PYTHON_ENV_RERUN", "python-rerun", "rerun"),
             Self::FastDds => ["fastdds", "openssl/ssl.h"]
                 .iter()
                 .all(|header| Path::new("/usr/include").join(header).exists()),
@@ -193,6 +206,12 @@ pub fn chromium() -> Option<PathBuf> {
 #[must_use]
 pub fn axe() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../web/node_modules/axe-core/axe.min.js")
+}
+
+/// The folder of the client of the view that others wrote.
+#[must_use]
+pub fn viewer_client() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../viewers")
 }
 
 fn succeeds(program: &str, arguments: &[&[&str]]) -> bool {
