@@ -10,6 +10,7 @@
 
 pub mod axis;
 pub mod bed;
+pub mod board;
 pub mod control;
 pub mod dossier;
 pub mod drive;
@@ -38,8 +39,9 @@ pub mod travel;
 pub mod trial;
 pub mod velocity_design;
 
+pub use board::Board;
 pub use dossier::Dossier;
 pub use error::CommissionError;
 pub use interval::Ranged;
-pub use run::{Asked, Outcome, run};
+pub use run::{Asked, Outcome, run, run_watched};
 pub use stage::Stage;

@@ -10,6 +10,7 @@ use work::progress::Progress;
 
 use crate::axis::{Axis, Known};
 use crate::bed::Bed;
+use crate::board::{Board, Told};
 use crate::control::{self, Control};
 use crate::dossier::Identity;
 use crate::drive::{self, Drive};
@@ -103,9 +104,25 @@ pub fn run(
     stop: &Arc<AtomicBool>,
     progress: &Progress,
 ) -> Result<Outcome, CommissionError> {
+    run_watched(asked, known, dossier, stop, (progress, &Board::default()))
+}
+
+/// The same while somebody watches: `board` says how it stands.
+///
+/// # Errors
+/// As for [`run`].
+pub fn run_watched(
+    asked: &Asked,
+    known: &Known,
+    dossier: &Dossier,
+    stop: &Arc<AtomicBool>,
+    (progress, board): (&Progress, &Board),
+) -> Result<Outcome, CommissionError> {
     let used = used(dossier)?;
+    board.begin(&asked.wanted);
     let mut axis =
         Axis::new(&asked.rig, asked.setup, Arc::clone(stop), progress, (asked.allowed, used));
+    axis.write_on(board);
     axis.drive_only(known.description.clone());
     axis.stay_within(known.travel);
     if let Some(TravelAsked::Around(..)) = asked.travel {
@@ -164,24 +181,29 @@ pub fn run(
     let rig = asked.rig.to_string();
     let found = Found { rig, seconds, met, drive, friction, chosen, control, proof };
     let document = hand_over::write(dossier, known, &found, &bed, &asked.wanted)?;
+    board.handed_over(hand_over::worth(&found));
     Ok(Outcome { found, document })
 }
 
 /// What the folder has of a stage, else what `work` finds, kept.
-fn stage<'a, T: Serialize + DeserializeOwned>(
+fn stage<'a, T: Serialize + DeserializeOwned + Told>(
     dossier: &Dossier,
     stage: Stage,
     axis: &mut Axis<'a>,
     work: impl FnOnce(&mut Axis<'a>) -> Result<T, CommissionError>,
 ) -> Result<T, CommissionError> {
-    if let Some((found, _)) = dossier.found(stage)? {
+    if let Some((found, seconds)) = dossier.found(stage)? {
+        axis.board().done(stage, seconds, &found);
         return Ok(found);
     }
+    axis.board().begun(stage);
     // The blocks of a friction stage that was stopped are counted as used already.
     let before = if stage == Stage::Friction { dossier.underway()?.1 } else { 0.0 };
     let begun = axis.used();
     let found = work(axis)?;
-    dossier.keep(stage, before + axis.used() - begun, &found)?;
+    let seconds = before + axis.used() - begun;
+    dossier.keep(stage, seconds, &found)?;
+    axis.board().done(stage, seconds, &found);
     Ok(found)
 }
 

@@ -38,7 +38,8 @@ impl Token {
     }
 
     /// Whether `word` is it. The time this takes depends on the length of `word` alone.
-    fn is(&self, word: &str) -> bool {
+    #[must_use]
+    pub fn is(&self, word: &str) -> bool {
         self.0.as_bytes().ct_eq(word.as_bytes()).into()
     }
 }

@@ -2,6 +2,7 @@
 
 import { Message } from "./cdr";
 import { Client } from "./client";
+import { Commission } from "./commission";
 import { Curve, Curves } from "./curves";
 import { by, make, write } from "./dom";
 import { Experiments } from "./experiments";
@@ -67,6 +68,7 @@ let access = "full";
 const mayChange = () => access === "full";
 const now = (): Client => client;
 const steering = new Steering(now);
+const commission = new Commission(now);
 const experiments = new Experiments(now);
 const parameters = new Parameters(now, mayChange);
 const player = new Player(now);
@@ -75,8 +77,11 @@ const client: Client = new Client(
   {
     opened(info) {
       access = info.access;
-      if (info.another) clear();
-      steering.mayChange = experiments.mayChange = mayChange();
+      if (info.another) {
+        clear();
+        commission.clear();
+      }
+      steering.mayChange = experiments.mayChange = commission.mayChange = mayChange();
       cycle = undefined;
       by("lost").hidden = true;
       by("stop").classList.remove("lost");
@@ -88,6 +93,7 @@ const client: Client = new Client(
       parameters.anew();
       steering.enable();
       experiments.enable();
+      commission.enable();
     },
     closed() {
       by("lost").hidden = false;
@@ -100,10 +106,12 @@ const client: Client = new Client(
       write(rig, "rig: unknown");
       steering.lost();
       experiments.enable();
+      commission.enable();
     },
     services(names) {
       steering.services(names);
       experiments.services(names);
+      commission.services(names);
     },
     message: take,
     status(level, text, id) {
@@ -146,6 +154,7 @@ function take(topic: string, _time: number, message: Message): void {
       parameters.take(message as never);
       limits();
       return;
+    case "commission": return commission.take(message as never);
     case "curve":
       stribeck.curve = message as never;
       write(by("curve-model"), `(${String(message["model"])})`);

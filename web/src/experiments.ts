@@ -3,6 +3,7 @@
 import { Client } from "./client";
 import { Message } from "./cdr";
 import { by, make, write } from "./dom";
+import { time } from "./words";
 
 interface Option {
   name: string;
@@ -34,7 +35,8 @@ export class Experiments {
     const end = "/experiment_runner/list_experiments";
     const list = names.find((name) => name.endsWith(end));
     const abort = names.find((name) => name.endsWith("/experiment_runner/abort"));
-    by("experiments").hidden = !abort;
+    // A commission that is no experiment has a stop of its own.
+    by("experiments").hidden = !abort || names.includes("/commission/consent");
     by("pick").hidden = by("more").hidden = !list;
     if (abort) this.namespace = abort.slice(0, -"/experiment_runner/abort".length);
     if (!list) return;
@@ -72,7 +74,7 @@ export class Experiments {
     place.replaceChildren();
     if (!chosen) return;
     write(by("experiment-about"),
-      `${chosen.description} About ${time(chosen.duration)}, quick ${time(chosen.quick_duration)}.`);
+      `${chosen.description}. About ${time(chosen.duration)}, quick ${time(chosen.quick_duration)}.`);
     for (const option of chosen.parameters) {
       const id = `o-${option.name}`;
       const label = make("label", { for: id }, option.name);
@@ -139,11 +141,4 @@ export class Experiments {
     ];
     write(by("experiment-status"), parts.filter(Boolean).join(" · "));
   }
-}
-
-function time(seconds: number): string {
-  if (!Number.isFinite(seconds)) return "an unknown time";
-  if (seconds < 90) return `${Math.round(seconds)} s`;
-  if (seconds < 5400) return `${Math.round(seconds / 60)} min`;
-  return `${(seconds / 3600).toFixed(1)} h`;
 }

@@ -21,6 +21,7 @@ pub use self::bench::Bench;
 pub use self::known::Known;
 use self::opening::Opening;
 use self::repeats::Repeats;
+use crate::board::Board;
 use crate::reach::Reach;
 use crate::{CommissionError, Stage};
 
@@ -32,8 +33,12 @@ pub struct Axis<'a> {
     opening: Opening,
     stop: Arc<AtomicBool>,
     progress: &'a Progress,
+    /// Where it is written how the commission stands.
+    board: Board,
     allowed: f64,
     used: f64,
+    /// Rig time after which all is expected to be done \[s\].
+    expected: Cell<f64>,
     /// How far the winding was above ambient when the rig was left last \[K\]: whoever opens it anew
     /// tells the safety layer.
     rise: Cell<f64>,
@@ -58,12 +63,25 @@ impl<'a> Axis<'a> {
             opening: Opening::new(rig.clone(), RigSetup { calibration: None, ..setup }),
             stop,
             progress,
+            board: Board::default(),
             allowed,
             used,
+            expected: Cell::new(allowed),
             rise: Cell::new(0.0),
             torque: Cell::new(false),
             noticed: RefCell::default(),
         }
+    }
+
+    /// What is done is written on that board from now on.
+    pub fn write_on(&mut self, board: &Board) {
+        self.board = board.clone();
+        self.tell_time();
+    }
+
+    /// Where it is written how the commission stands.
+    pub(crate) fn board(&self) -> &Board {
+        &self.board
     }
 
     /// Rig time that was used \[s\].
@@ -81,16 +99,21 @@ impl<'a> Axis<'a> {
     /// Says what is done now, on the bar.
     pub fn say(&self, stage: Stage, what: &str) {
         self.progress.stage(format!("{stage}: {what}"));
+        self.board.doing(what);
     }
 
     /// Says a line that stays, of what the report tells too.
     pub fn tell(&self, line: &str) {
         self.progress.line(line);
+        self.board.line(line);
     }
 
     /// Only so much rig time is expected to be needed from now on \[s\].
     pub fn expect(&self, seconds: f64) {
-        self.progress.expect((self.used + seconds.min(self.left())).ceil() as u64);
+        let expected = self.used + seconds.min(self.left());
+        self.progress.expect(expected.ceil() as u64);
+        self.expected.set(expected);
+        self.tell_time();
     }
 
     /// Readings are corrected by this from now on.
@@ -185,6 +208,11 @@ impl<'a> Axis<'a> {
     fn count(&mut self, seconds: f64) {
         self.used += seconds;
         self.progress.advance(seconds);
+        self.tell_time();
+    }
+
+    fn tell_time(&self) {
+        self.board.time(self.used, (self.expected.get() - self.used).max(0.0));
     }
 
     fn open(&self) -> Result<Opened, CommissionError> {

@@ -94,10 +94,10 @@ impl Axis<'_> {
         error: &CommissionError,
         back: impl FnOnce() -> Result<T, NotReopened>,
     ) -> Result<T, CommissionError> {
-        self.progress.line(&format!("{error}: zero volts. It goes on by itself if the line is back within {PATIENCE} s; ctrl-C before you touch the rig"));
+        self.tell(&format!("{error}: zero volts. It goes on by itself if the line is back within {PATIENCE} s; ctrl-C before you touch the rig"));
         match back() {
             Ok(there) => {
-                self.progress.line("the line is back; what was underway is repeated");
+                self.tell("the line is back; what was underway is repeated");
                 Ok(there)
             }
             Err(why) => {

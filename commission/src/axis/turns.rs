@@ -9,6 +9,7 @@ use rig_driver::{Measurement, Rig, RigError};
 use rig_setup::{Heat, REST};
 
 use super::{Axis, Bench};
+use crate::board::{Board, Cycle};
 use crate::{CommissionError, Stage};
 
 /// Shortest and longest way to a place \[s\], time to settle there, and how often it is tried.
@@ -34,7 +35,9 @@ impl Axis<'_> {
         seconds: f64,
         volts: impl Fn(f64) -> f64,
     ) -> Result<Vec<Measurement>, CommissionError> {
-        self.repeated(bench, |axis| axis.turn(bench, stage, seconds, |seen| volts(seen.time)))
+        self.repeated(bench, |axis| {
+            axis.turn(bench, stage, seconds, |_| None, |seen| volts(seen.time))
+        })
     }
 
     /// The same by `volts` of what is seen, positions by the rig's own count. A turn that is
@@ -54,7 +57,7 @@ impl Axis<'_> {
             ..*seen
         };
         let seen = self.repeated(bench, |axis| {
-            axis.turn(bench, stage, seconds, |seen| volts(&counted(seen)))
+            axis.turn(bench, stage, seconds, |_| None, |seen| volts(&counted(seen)))
         })?;
         Ok(seen.iter().map(counted).collect())
     }
@@ -88,7 +91,9 @@ impl Axis<'_> {
         friction: impl Fn(&Reference) -> f64,
     ) -> Result<Vec<Measurement>, CommissionError> {
         let mut controller = Controller::new(options)?;
-        self.turn(bench, stage, seconds, |seen| {
+        let followed =
+            |seen: &Measurement| Some((reference(seen.time).position, seen.encoder_position));
+        self.turn(bench, stage, seconds, followed, |seen| {
             let wanted = reference(seen.time);
             let feedback = Feedback {
                 position: seen.encoder_position,
@@ -145,8 +150,9 @@ impl Axis<'_> {
         build: impl Fn(Lent) -> Result<Box<dyn RunningLoop>, CommissionError>,
     ) -> Result<Vec<CycleSample>, CommissionError> {
         self.repeated(bench, |axis| {
+            let watch = axis.watch();
             axis.in_turn(bench, stage, seconds, |rig| match build(rig) {
-                Ok(running) => followed(running, (from, seconds)),
+                Ok(running) => followed(running, (from, seconds), &watch),
                 Err(error) => (0, Err(error)),
             })
         })
@@ -157,12 +163,17 @@ impl Axis<'_> {
         bench: &Bench,
         stage: Stage,
         seconds: f64,
+        followed: impl Fn(&Measurement) -> Option<(f64, f64)>,
         volts: impl FnMut(&Measurement) -> f64,
     ) -> Result<Vec<Measurement>, CommissionError> {
         let heat = bench.0.winding().map(Heat);
+        let watch = self.watch();
         let seen = self.in_turn(bench, stage, seconds, |rig| {
-            let mut seen = Vec::new();
-            let outcome = driven(rig, seconds, heat, volts, &mut seen);
+            let mut seen = Vec::with_capacity((seconds / rig.period()).round() as usize + 1);
+            let outcome = driven(rig, seconds, heat, volts, |now| {
+                watch.saw(now, followed(now));
+                seen.push(*now);
+            });
             (seen.len(), outcome.map(|()| seen).map_err(CommissionError::from))
         })?;
         self.heed_torque(&seen, bench.period());
@@ -223,6 +234,11 @@ impl Axis<'_> {
         Ok(())
     }
 
+    /// What shows the cycles of a turn that begins now to whoever watches.
+    fn watch(&self) -> Watch {
+        Watch { board: self.board().clone(), before: self.used() }
+    }
+
     /// Remembers how warm the winding is.
     fn left_warm(&self, bench: &Bench) {
         if let Some(rise) = bench.0.winding_rise() {
@@ -231,21 +247,32 @@ impl Axis<'_> {
     }
 }
 
+/// Shows the cycles of one turn to whoever watches.
+struct Watch {
+    board: Board,
+    before: f64,
+}
+
+impl Watch {
+    fn saw(&self, seen: &Measurement, followed: Option<(f64, f64)>) {
+        self.board.cycle(Cycle { before: self.before, seen: *seen, followed });
+    }
+}
+
 /// Drives for `seconds`, or until the winding is `heat`ed: what would be too hot is ended here, and
-/// what was seen is short.
+/// what was seen is short. `saw` is told of each cycle.
 fn driven(
     mut rig: Lent,
     seconds: f64,
     heat: Option<Heat>,
     mut volts: impl FnMut(&Measurement) -> f64,
-    seen: &mut Vec<Measurement>,
+    mut saw: impl FnMut(&Measurement),
 ) -> Result<(), RigError> {
     let cycles = (seconds / rig.period()).round() as usize;
-    seen.reserve(cycles + 1);
     for _ in 0..cycles {
         let now = rig.measure();
         rig.apply(volts(&now))?;
-        seen.push(now);
+        saw(&now);
         let rise = rig.winding_rise();
         if heat.zip(rise).is_some_and(|(heat, rise)| heat.is_hot(rise)) {
             break;
@@ -253,7 +280,7 @@ fn driven(
     }
     // What was applied in the last cycle.
     let last = rig.measure();
-    seen.push(last);
+    saw(&last);
     if last.fault {
         // Says why, where the reading did not come.
         rig.apply(0.0)?;
@@ -265,6 +292,7 @@ fn driven(
 fn followed(
     mut running: Box<dyn RunningLoop>,
     (from, seconds): (f64, f64),
+    watch: &Watch,
 ) -> (usize, Result<Vec<CycleSample>, CommissionError>) {
     let cycles = (seconds / running.period()).round() as usize;
     let skipped = (from / running.period()).round() as usize;
@@ -272,7 +300,12 @@ fn followed(
     let mut outcome = Ok(());
     let mut done = 0;
     for cycle in 0..cycles {
-        match running.step() {
+        let step = running.step();
+        if let Ok(now) = &step {
+            let feedback = now.measurement.encoder_position;
+            watch.saw(&now.measurement, Some((now.reference.position, feedback)));
+        }
+        match step {
             Ok(now) if cycle >= skipped => seen.push(now),
             Ok(_) => {}
             Err(error) => {

@@ -206,6 +206,7 @@ pub fn friction(
                 }
             }
         };
+        axis.board().measured(underway.blocks.len(), &underway.points, curve.as_ref());
         axis.say(Stage::Friction, &said(underway.blocks.len() + 1, next, curve.as_ref()));
         let next = varied(next, underway.blocks.len());
         match measured.measure(axis, &bench, Stage::Friction, next)? {

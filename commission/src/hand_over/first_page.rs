@@ -41,7 +41,7 @@ pub(super) fn blocks(found: &Found, known: &Known, folder: &str) -> Vec<Block> {
 }
 
 /// Whether what was added is worth it, in a sentence or two.
-fn worth(found: &Found) -> String {
+pub(crate) fn worth(found: &Found) -> String {
     let (before, after) = errors(found);
     let mrad = |error: f64| format!("{} mrad", significant(1e3 * error, 3));
     let Some(ratio) = found.proof.ratio else {

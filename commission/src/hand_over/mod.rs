@@ -22,6 +22,8 @@ use crate::model::Chosen;
 use crate::proof::Proof;
 use crate::{CommissionError, Dossier, Stage};
 
+pub(crate) use first_page::worth;
+pub(crate) use summary::{arm, fed_back};
 pub use summary::{believed, proved, summary};
 
 /// Name of the parameter file.

@@ -18,7 +18,7 @@ pub(super) fn page(found: &Found, known: &Known, wanted: &Wanted, folder: &str) 
     let mut blocks = first_page::blocks(found, known, folder);
     blocks.extend([
         Block::Heading("For the expert: what was found".to_owned()),
-        text(format!("Proof: {}.", proved(found))),
+        text(format!("Proof: {}.", proved(&found.proof))),
         text(format!("Fed forward: {}.", arm(found.control.arm))),
         text(format!("Margin: {}.", margin(found))),
         text(format!("Friction: {}.", ending(friction, wanted))),

@@ -12,6 +12,7 @@ use crate::friction::wanted::Wanted;
 use crate::friction::{Ending, Friction};
 use crate::hunting::smallest;
 use crate::noticed::by_hand;
+use crate::proof::Proof;
 use crate::travel::TravelAsked;
 
 /// What is one count but for rounding.
@@ -109,7 +110,7 @@ pub fn summary(found: &Found, wanted: &Wanted) -> String {
     row("at rest", rest(found));
     row("margin", margin(found));
     row("velocity loop", velocity(found));
-    row("proof", proved(found));
+    row("proof", proved(&found.proof));
     if let Some(said) = super::structure::moves(found) {
         row("moves", said);
     }
@@ -145,7 +146,7 @@ pub(super) fn ending(friction: &Friction, wanted: &Wanted) -> String {
 }
 
 /// What an arm is, in words.
-pub(super) const fn arm(arm: Arm) -> &'static str {
+pub(crate) const fn arm(arm: Arm) -> &'static str {
     match arm {
         Arm::Linear => "nothing: the linear gains alone did as well",
         Arm::Reference => "the reference, through the inverse of the drive",
@@ -174,7 +175,7 @@ pub(super) fn stuck(control: &Control) -> Option<String> {
 }
 
 /// What is fed back, in words.
-pub(super) fn fed_back(control: &Control) -> String {
+pub(crate) fn fed_back(control: &Control) -> String {
     control.fed_back.map_or_else(
         || "nothing: at equal robustness it is not clearly better".to_owned(),
         |fed| {
@@ -272,8 +273,8 @@ pub(super) fn drift(change: f64) -> String {
 
 /// What the proof says.
 #[must_use]
-pub fn proved(found: &Found) -> String {
-    match found.proof.ratio {
+pub fn proved(proof: &Proof) -> String {
+    match proof.ratio {
         None => "nothing was added to the linear gains, so there was nothing to prove".to_owned(),
         Some(ratio) => {
             let share =
@@ -283,7 +284,7 @@ pub fn proved(found: &Found) -> String {
                 percent(100.0 * ratio.value, 1),
                 share(ratio.low),
                 share(ratio.high),
-                found.proof.pairs.len()
+                proof.pairs.len()
             )
         }
     }

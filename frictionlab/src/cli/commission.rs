@@ -1,23 +1,29 @@
 //! `frictionlab commission`: from an unknown motor to a compensated one.
 
-use std::io::{BufRead, IsTerminal};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use commission::hand_over::{believed, summary};
 use commission::run::clear;
 use commission::trial::Trial;
+use commission::{Board, Outcome};
 use experiment_runner::asked::rig::choose;
 use experiment_runner::protocol::ConstantVelocityProtocol;
 use rig_setup::RigChoice;
-use work::BadInput;
+use work::Interrupted;
+use work::ending::told;
 use work::progress::Progress;
 
 pub use super::commission_args::CommissionArgs;
-use super::commission_planned::{asked, checked, ended, planned};
+use super::commission_consent::consent;
+use super::commission_planned::{Planned, asked, checked, ended, kept, planned};
 use super::commission_words::worded;
 use crate::interruption;
-use crate::viewing::ViewArgs;
+use crate::viewing::{CommissionView, ViewArgs};
 
-/// The options of a commission, and of its view.
+// What it does is said by its options.
+#[expect(missing_docs, reason = "a doc comment here would take the place of the command's help")]
 #[derive(Debug, clap::Args)]
 pub struct CommissionCommand {
     /// The view.
@@ -53,46 +59,66 @@ pub fn execute(command: &CommissionCommand) -> anyhow::Result<()> {
     if args.clear {
         clear(&planned.asked).map_err(worded)?;
     }
+    let board = Board::default();
+    let view = view.of_commission(&board, &stop, args.quiet)?;
+    let outcome = commissioned(args, planned, (&stop, &board), view.as_ref());
+    if let Some(view) = &view {
+        view.ends(outcome.as_ref().map(|_| ()).map_err(told));
+    }
+    if let Ok((outcome, folder)) = &outcome {
+        let text = format!(
+            "{}report          {}\nparameters      {}\n",
+            summary(&outcome.found, &args.want),
+            folder.join("report.html").display(),
+            folder.join("parameters.yaml").display()
+        );
+        args.saying.result(args.quiet, &outcome.document, &text)?;
+    }
+    if let Some(view) = &view {
+        if let Err(error) = &outcome {
+            eprintln!("it ended: {}", told(error));
+        }
+        view.stay(args.quiet);
+    }
+    outcome.map(drop)
+}
+
+/// Looks at the rig, asks, and does the stages; what came of it, and where it is.
+fn commissioned(
+    args: &CommissionArgs,
+    planned: Planned,
+    (stop, board): (&Arc<AtomicBool>, &Board),
+    view: Option<&CommissionView>,
+) -> anyhow::Result<(Outcome, PathBuf)> {
     let (known, identity) = planned.look()?;
+    let travel = planned.asked.travel;
+    let believed = believed(&identity.rig, &known, travel, args.minutes);
     if !args.quiet {
-        let travel = planned.asked.travel;
-        eprint!("{}", believed(&identity.rig, &known, travel, args.minutes));
+        eprint!("{believed}");
+    }
+    if let Some(view) = view {
+        view.believes(&believed);
     }
     if !planned.asked.rig.is_simulated() && !args.yes {
-        consent()?;
+        consent(view, stop)?;
+    }
+    if stop.load(Ordering::SeqCst) {
+        return Err(Interrupted("stopped; nothing has moved".to_owned()).into());
     }
     let asked = planned.asked.clone();
     let dossier = planned.begin(&identity, || Ok(args.to.reserve("commission")?.into_path()))?;
+    if let Some(view) = view {
+        view.begins(dossier.folder());
+    }
     args.saying.begin();
     let progress = Progress::in_words(asked.allowed, args.quiet);
-    let view = view.of_bags("commission", "commission", &stop, &progress, args.quiet)?;
-    let outcome = commission::run(&asked, &known, &dossier, &stop, &progress);
+    let outcome = commission::run_watched(&asked, &known, &dossier, stop, (&progress, board));
     progress.finish();
-    drop(view);
-    let outcome = outcome.map_err(|error| ended(error, &dossier))?;
-    let text = format!(
-        "{}report          {}\nparameters      {}\n",
-        summary(&outcome.found, &asked.wanted),
-        dossier.folder().join("report.html").display(),
-        dossier.folder().join("parameters.yaml").display()
-    );
-    args.saying.result(args.quiet, &outcome.document, &text)
-}
-
-/// Asks whoever sits there.
-fn consent() -> anyhow::Result<()> {
-    let input = std::io::stdin();
-    if !input.is_terminal() {
-        return Err(BadInput(
-            "nobody is there to say that the shaft may turn: --yes says it".to_owned(),
-        )
-        .into());
-    }
-    eprint!("May the shaft turn? Type yes: ");
-    let mut answer = String::new();
-    input.lock().read_line(&mut answer)?;
-    if answer.trim() == "yes" {
-        return Ok(());
-    }
-    Err(BadInput("nothing has moved: the answer was not yes".to_owned()).into())
+    let folder = dossier.folder().to_owned();
+    outcome.map(|outcome| (outcome, folder)).map_err(|error| {
+        if let Some(view) = view {
+            view.hints(kept(&error, &dossier));
+        }
+        ended(error, &dossier)
+    })
 }

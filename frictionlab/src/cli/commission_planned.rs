@@ -145,21 +145,26 @@ fn simulated(args: &CommissionArgs, rig: &RigChoice) -> Option<Simulated> {
     })
 }
 
-/// An error of the stages: what is kept, and how to go on.
-pub(super) fn ended(error: CommissionError, dossier: &Dossier) -> anyhow::Error {
+/// What is kept after an error of the stages, and how to go on.
+pub(super) fn kept(error: &CommissionError, dossier: &Dossier) -> String {
     let folder = dossier.folder().display();
     let done: Vec<String> = dossier.done().iter().map(ToString::to_string).collect();
     let kept = if done.is_empty() { "no stage yet".to_owned() } else { done.join(", ") };
-    let on = format!("kept: {kept}; `frictionlab commission --resume {folder}` goes on");
     if error.is_held() {
-        eprintln!(
+        format!(
             "kept: {kept}; once somebody has looked at the rig and mended the cause, `frictionlab commission --resume {folder} --clear` clears it and goes on"
-        );
-        return worded(error);
+        )
+    } else {
+        format!("kept: {kept}; `frictionlab commission --resume {folder}` goes on")
     }
+}
+
+/// An error of the stages, with what is kept.
+pub(super) fn ended(error: CommissionError, dossier: &Dossier) -> anyhow::Error {
+    let kept = kept(&error, dossier);
     if error.is_stopped() {
-        return Interrupted(format!("stopped; the motor is at zero volts. {on}")).into();
+        return Interrupted(format!("stopped; the motor is at zero volts. {kept}")).into();
     }
-    eprintln!("{on}");
+    eprintln!("{kept}");
     worded(error)
 }

@@ -4,6 +4,7 @@ mod advice;
 pub mod bag;
 pub mod commission;
 mod commission_args;
+mod commission_consent;
 mod commission_errand;
 mod commission_planned;
 mod commission_protocols;

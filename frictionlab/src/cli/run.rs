@@ -4,7 +4,7 @@ use std::path::Path;
 
 use experiment_runner::asked::rig::choose;
 use experiment_runner::asked::{RunArgs, given, options};
-use experiment_runner::run::{self, Beginning, Journal, RunError, RunOptions, Status};
+use experiment_runner::run::{self, Beginning, Journal, Outcome, RunError, RunOptions, Status};
 use experiment_runner::test_bed::TestBedError;
 use rig_driver::RigError;
 use rig_setup::{RigChoice, RigSetupError};
@@ -16,7 +16,8 @@ use work::{BadInput, Interrupted};
 use crate::interruption;
 use crate::viewing::ViewArgs;
 
-/// The options of the runs, and of their view.
+// What it does is said by its options.
+#[expect(missing_docs, reason = "a doc comment here would take the place of the command's help")]
 #[derive(Debug, clap::Args)]
 pub struct RunCommand {
     /// The view.
@@ -80,7 +81,18 @@ fn run_in(
     let view = view.of_bags("run", options.experiment.as_str(), &cancel, &progress, args.quiet)?;
     let outcome = run::execute_in(options, folder, beginning, &progress, &cancel);
     progress.finish();
-    drop(view);
+    let told = tell(args, outcome, folder);
+    if let Some(view) = view {
+        if let Err(error) = &told {
+            eprintln!("it ended: {}", super::told(error));
+        }
+        view.stay(args.quiet);
+    }
+    told
+}
+
+/// Tells what a run came to.
+fn tell(args: &RunArgs, outcome: Result<Outcome, RunError>, folder: &Path) -> anyhow::Result<()> {
     let outcome = outcome.map_err(|error| {
         if Journal::is_in(folder) && !matches!(error, RunError::Resume { .. }) {
             eprintln!("what was measured is kept{}", super::resume::hint(folder));

@@ -4,11 +4,13 @@ use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use commission::Board;
 use view::{ViewError, ViewOptions};
 use work::BadInput;
 use work::progress::Progress;
 
 use super::bags::BagsView;
+use super::commissioning::CommissionView;
 
 /// Options of a view of what a command does.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -82,11 +84,33 @@ impl ViewArgs {
     ) -> anyhow::Result<Option<BagsView>> {
         let Some(options) = self.options(command) else { return Ok(None) };
         let view = BagsView::open(&options, what, stop, progress).map_err(worded)?;
-        // A token is told once, also where nothing else is.
-        if !quiet || options.wants_token() {
-            eprintln!("{}", view.words());
-        }
+        tell(&view.words(), &options, quiet);
         Ok(Some(view))
+    }
+
+    /// Opens the view that is asked for, of a commission that writes on that board; a viewer may set
+    /// `stop`.
+    ///
+    /// # Errors
+    /// [`BadInput`] if the port is taken.
+    pub fn of_commission(
+        &self,
+        board: &Board,
+        stop: &Arc<AtomicBool>,
+        quiet: bool,
+    ) -> anyhow::Result<Option<CommissionView>> {
+        let Some(options) = self.options("commission") else { return Ok(None) };
+        let view = CommissionView::open(&options, board, stop).map_err(worded)?;
+        tell(&view.words(), &options, quiet);
+        Ok(Some(view))
+    }
+}
+
+/// Tells where a view is.
+fn tell(words: &str, options: &ViewOptions, quiet: bool) {
+    // A token is told once, also where nothing else is.
+    if !quiet || options.wants_token() {
+        eprintln!("{words}");
     }
 }
 

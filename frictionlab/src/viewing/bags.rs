@@ -1,37 +1,24 @@
-//! A view of work that writes a bag and has no nodes: `run`, `commission`.
+//! A view of work that writes a bag and has no nodes: `run`.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::{self, JoinHandle};
-use std::time::{Duration, Instant};
 
 use msgs::friction_msgs::ExperimentStatus;
 use msgs::std_msgs::Header;
 use msgs::{cdr, topics};
-use serde_json::{Value, json};
-use view::{Access, ChannelId, Hub, Service, Steering, View, ViewError, ViewOptions};
+use serde_json::Value;
+use view::{ChannelId, Hub, Service, Steering, ViewError, ViewOptions};
 use work::progress::Progress;
 
+use super::at_work::WorkView;
 use super::clock::now_ns;
+use super::ending::Ending;
+use super::pace::Pace;
 use super::topics::known;
-use super::words::words;
-
-/// Cycles that are shown within a second: a simulated rig may be far quicker than time.
-const CYCLES: u32 = 2000;
-/// How often viewers are told how far the work is.
-const TOLD: Duration = Duration::from_millis(250);
-/// What ends the work.
-const STOP: &str = "/rig_driver/emergency_stop";
-/// The same, as experiments know it.
-const ABORT: &str = "/experiment_runner/abort";
 
 /// A view of what is written into bags. Dropped, it ends.
-pub struct BagsView {
-    view: Option<View>,
-    over: Arc<AtomicBool>,
-    telling: Option<JoinHandle<()>>,
-}
+pub struct BagsView(WorkView);
 
 impl BagsView {
     /// Opens a view of work called `name` that sets `stop` when a viewer wants it to end.
@@ -50,47 +37,37 @@ impl BagsView {
             .map(|channel| (channel.topic.clone(), hub.offer(channel)))
             .collect();
         let status = channels.get(topics::EXPERIMENT_STATUS.name).copied();
-        let view = View::start(options, hub.clone(), Arc::new(Ending(Arc::clone(stop))))?;
-        let pace = Mutex::new(Pace::default());
-        let heard = hub.clone();
-        recording::bag::listen(Box::new(move |topic, stamp_ns, bytes| {
-            let Some(channel) = channels.get(topic) else { return };
-            let shown = heard.viewers() > 0
-                && pace.lock().unwrap_or_else(PoisonError::into_inner).shows(stamp_ns);
-            if shown {
-                heard.publish(*channel, stamp_ns, bytes);
-            }
-        }));
-        let over = Arc::new(AtomicBool::new(false));
-        let (ends, progress, name) = (Arc::clone(&over), progress.clone(), name.to_owned());
+        let ending = Arc::new(Ending::new(stop));
+        let asked: Arc<dyn Steering> = Arc::new(OnlyEnding(Arc::clone(&ending)));
+        let (told, progress, name) = (hub.clone(), progress.clone(), name.to_owned());
         let tell = move || {
-            while !ends.load(Ordering::Acquire) {
-                hub.time(now_ns());
-                if let Some(status) = status {
-                    tell(&hub, status, &name, &progress);
-                }
-                thread::park_timeout(TOLD);
+            if let Some(status) = status {
+                tell(&told, status, &name, &progress);
             }
         };
-        let telling = thread::Builder::new().name("view progress".into()).spawn(tell);
-        let telling = Some(telling.map_err(ViewError::System)?);
-        Ok(Self { view: Some(view), over, telling })
+        let view = WorkView::open(options, &hub, (asked, ending), tell)?;
+        let pace = Mutex::new(Pace::default());
+        recording::bag::listen(Box::new(move |topic, stamp_ns, bytes| {
+            let Some(channel) = channels.get(topic) else { return };
+            let shown = hub.viewers() > 0
+                && pace.lock().unwrap_or_else(PoisonError::into_inner).shows(stamp_ns);
+            if shown {
+                hub.publish(*channel, stamp_ns, bytes);
+            }
+        }));
+        Ok(Self(view))
     }
 
     /// Where it is, in words for people.
     #[must_use]
     pub fn words(&self) -> String {
-        self.view.as_ref().map(words).unwrap_or_default()
+        self.0.words()
     }
-}
 
-impl Drop for BagsView {
-    fn drop(&mut self) {
-        self.over.store(true, Ordering::Release);
-        if let Some(telling) = self.telling.take() {
-            telling.thread().unpark();
-            let _ = telling.join();
-        }
+    /// The work is over: whoever looks may go on looking, until ctrl-C where somebody sits at a
+    /// terminal, else until the last viewer has left.
+    pub fn stay(&self, quiet: bool) {
+        self.0.stay(quiet);
     }
 }
 
@@ -109,70 +86,15 @@ fn tell(hub: &Hub, channel: ChannelId, name: &str, progress: &Progress) {
     }
 }
 
-/// Which cycles are shown.
-#[derive(Default)]
-struct Pace {
-    began: Option<Instant>,
-    shown: u32,
-    stamp_ns: u64,
-    shows: bool,
-}
-
-impl Pace {
-    /// Whether messages of that time are: all of a cycle or none.
-    fn shows(&mut self, stamp_ns: u64) -> bool {
-        if stamp_ns == self.stamp_ns {
-            return self.shows;
-        }
-        self.stamp_ns = stamp_ns;
-        if self.began.is_none_or(|began| began.elapsed() >= Duration::from_secs(1)) {
-            (self.began, self.shown) = (Some(Instant::now()), 0);
-        }
-        self.shows = self.shown < CYCLES;
-        self.shown += u32::from(self.shows);
-        self.shows
-    }
-}
-
 /// All that can be asked of such work is to end.
-struct Ending(Arc<AtomicBool>);
+struct OnlyEnding(Arc<Ending>);
 
-impl Steering for Ending {
+impl Steering for OnlyEnding {
     fn services(&self) -> Vec<Service> {
-        let service = |name: &str, stops| Service {
-            name: name.to_owned(),
-            kind: "std_srvs/srv/Trigger".to_owned(),
-            request: json!({}),
-            response: json!({ "success": true, "message": "" }),
-            access: Access::Full,
-            stops,
-        };
-        vec![service(STOP, true), service(ABORT, true)]
+        Ending::services()
     }
 
     fn call(&self, service: &str, _: Value) -> Result<Value, String> {
-        if service != STOP && service != ABORT {
-            return Err(format!("there is no service {service}"));
-        }
-        self.0.store(true, Ordering::SeqCst);
-        let message = "the run ends, and with it the motor's voltage; what was measured is kept";
-        Ok(json!({ "success": true, "message": message }))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_cycle_is_shown_whole_or_not_at_all() {
-        let mut pace = Pace::default();
-        for stamp in 0..u64::from(CYCLES) + 100 {
-            let shown = pace.shows(stamp + 1);
-            assert_eq!(shown, pace.shows(stamp + 1));
-            if pace.began.is_some_and(|began| began.elapsed() < Duration::from_millis(900)) {
-                assert_eq!(shown, stamp < u64::from(CYCLES));
-            }
-        }
+        self.0.call(service).ok_or_else(|| format!("there is no service {service}"))
     }
 }

@@ -8,22 +8,28 @@
 //!   parameters and topics (`services`, `settings`, `asking`), as anybody's requests do: the same
 //!   limits, the same lifecycle, the same age of commands. The control thread knows nothing of a
 //!   view;
-//! - [`BagsView`]: work without nodes, by what it writes into its bag;
+//! - [`BagsView`]: a run without nodes, by what it writes into its bag;
+//! - [`CommissionView`]: a commission, by what its stages write on its board;
 //! - [`Player`]: a recording.
 
 mod args;
 #[cfg(feature = "ros")]
 mod asking;
+mod at_work;
 mod bags;
 #[cfg(feature = "ros")]
 mod channels;
 mod clock;
+mod commissioning;
 #[cfg(feature = "ros")]
 mod curve;
+mod ending;
 #[cfg(feature = "ros")]
 mod json;
 #[cfg(feature = "ros")]
 mod nodes;
+mod pace;
+mod paper;
 mod player;
 #[cfg(feature = "ros")]
 mod services;
@@ -36,6 +42,7 @@ pub use args::{ViewArgs, ViewPlace, worded};
 pub use bags::BagsView;
 #[cfg(feature = "ros")]
 pub use channels::Heard;
+pub use commissioning::CommissionView;
 #[cfg(feature = "ros")]
 pub use nodes::{Join, NodesView, NodesViewError, Shown, refused};
 pub use player::Player;
