@@ -118,8 +118,21 @@ pub fn run_watched(
     stop: &Arc<AtomicBool>,
     (progress, board): (&Progress, &Board),
 ) -> Result<Outcome, CommissionError> {
+    board.begin(dossier.folder(), &asked.wanted);
+    let outcome = stages((asked, known), dossier, stop, (progress, board));
+    if let Err(error) = &outcome {
+        board.ended(error.to_string());
+    }
+    outcome
+}
+
+fn stages(
+    (asked, known): (&Asked, &Known),
+    dossier: &Dossier,
+    stop: &Arc<AtomicBool>,
+    (progress, board): (&Progress, &Board),
+) -> Result<Outcome, CommissionError> {
     let used = used(dossier)?;
-    board.begin(&asked.wanted);
     let mut axis =
         Axis::new(&asked.rig, asked.setup, Arc::clone(stop), progress, (asked.allowed, used));
     axis.write_on(board);

@@ -38,6 +38,7 @@ pub mod friction_msgs;
 pub mod interfaces;
 pub mod lifecycle_msgs;
 pub mod message;
+pub mod rcl_interfaces;
 pub mod rosgraph_msgs;
 pub mod sensor_msgs;
 pub mod std_msgs;

@@ -10,6 +10,7 @@ use crate::{
         ControllerState, ExperimentStatus, FrictionEstimate, MotorVoltage, Reference,
         RigMeasurement,
     },
+    rcl_interfaces::Log,
     sensor_msgs::JointState,
 };
 
@@ -52,7 +53,11 @@ impl<M: RosMessage> Topic<M> {
     /// The name as a node says it: relative, so that the node's namespace comes before it. What all
     /// nodes share, such as `/diagnostics`, stays absolute.
     pub fn name_in_namespace(&self) -> &'static str {
-        if self.name == DIAGNOSTICS.name { self.name } else { self.name.trim_start_matches('/') }
+        if [DIAGNOSTICS.name, ROSOUT.name].contains(&self.name) {
+            self.name
+        } else {
+            self.name.trim_start_matches('/')
+        }
     }
 }
 
@@ -74,6 +79,9 @@ pub const EXPERIMENT_STATUS: Topic<ExperimentStatus> =
     Topic::new("/experiment_status", Qos::LATCHED);
 /// Health of the nodes.
 pub const DIAGNOSTICS: Topic<DiagnosticArray> = Topic::new("/diagnostics", Qos::DEFAULT);
+
+/// What all nodes log.
+pub const ROSOUT: Topic<Log> = Topic::new("/rosout", Qos { depth: 1000, transient_local: true });
 
 /// Quality of service of the topic with that name; the default of ROS 2 for one the laboratory does
 /// not know.

@@ -15,13 +15,14 @@ use crate::{
         GetAvailableStatesResponse, GetAvailableTransitionsRequest,
         GetAvailableTransitionsResponse, GetStateRequest, GetStateResponse, TransitionEvent,
     },
+    rcl_interfaces::Log,
     rosgraph_msgs::Clock,
     sensor_msgs::JointState,
     std_srvs::{TriggerRequest, TriggerResponse},
 };
 
 /// Those that have no type in this crate.
-const OTHERS: [(&str, &str); 23] = [
+const OTHERS: [(&str, &str); 22] = [
     (
         "action_msgs/msg/GoalStatusArray",
         "RIHS01_6c1684b00f177d37438febe6e709fc4e2b0d4248dca4854946f9ed8b30cda83e",
@@ -53,10 +54,6 @@ const OTHERS: [(&str, &str); 23] = [
     (
         "friction_msgs/action/RunExperiment_SendGoal_Response",
         "RIHS01_729ba4bfbaf73a9a1f18396381ac2e0d831bc1e458c7a64d4b7c817cc367925e",
-    ),
-    (
-        "rcl_interfaces/msg/Log",
-        "RIHS01_e28ce254ca8abc06abf92773b74602cdbf116ed34fbaf294fb9f81da9f318eac",
     ),
     (
         "rcl_interfaces/msg/ParameterEvent",
@@ -123,6 +120,7 @@ static ALL: LazyLock<BTreeMap<String, &'static str>> = LazyLock::new(|| {
     let own = [
         own::<JointState>(),
         own::<DiagnosticArray>(),
+        own::<Log>(),
         own::<Clock>(),
         own::<TransitionEvent>(),
         own::<ChangeStateRequest>(),

@@ -23,6 +23,7 @@ use msgs::{
         GetAvailableTransitionsResponse, GetStateRequest, GetStateResponse, State, Transition,
         TransitionDescription, TransitionEvent,
     },
+    rcl_interfaces::Log,
     rosgraph_msgs::Clock,
     sensor_msgs::JointState,
     std_msgs::Header,
@@ -40,6 +41,7 @@ macro_rules! for_each_message {
         $check::<KeyValue>();
         $check::<DiagnosticStatus>();
         $check::<DiagnosticArray>();
+        $check::<Log>();
         $check::<Clock>();
         $check::<State>();
         $check::<Transition>();

@@ -54,6 +54,7 @@ pub(crate) async fn serve(stream: TokioIo<Upgraded>, shared: &Arc<Shared>, acces
         &shared.name,
         &shared.session,
         access,
+        shared.key.as_str(),
         recording,
     )));
     let number = shared.hub.enter(&queue);

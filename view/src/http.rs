@@ -23,7 +23,7 @@ use tokio_tungstenite::tungstenite::handshake::derive_accept_key;
 
 use crate::protocol::SPOKEN;
 use crate::shared::Shared;
-use crate::{Access, assets, client};
+use crate::{Access, assets, client, files};
 
 /// Time for the head of a request.
 const HEAD: Duration = Duration::from_secs(5);
@@ -40,12 +40,15 @@ type Answer = Response<Full<Bytes>>;
 pub(crate) async fn serve(stream: TcpStream, shared: Arc<Shared>, place: OwnedSemaphorePermit) {
     let place = Arc::new(place);
     let answer = service_fn(|request| {
-        let mut answer = answer(request, &shared, &place);
-        if answer.status() != StatusCode::SWITCHING_PROTOCOLS {
-            // One request, one answer.
-            answer.headers_mut().insert(CONNECTION, HeaderValue::from_static("close"));
+        let (shared, place) = (Arc::clone(&shared), Arc::clone(&place));
+        async move {
+            let mut answer = answer(request, &shared, &place).await;
+            if answer.status() != StatusCode::SWITCHING_PROTOCOLS {
+                // One request, one answer.
+                answer.headers_mut().insert(CONNECTION, HeaderValue::from_static("close"));
+            }
+            Ok::<_, Infallible>(answer)
         }
-        async move { Ok::<_, Infallible>(answer) }
     });
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
@@ -57,7 +60,7 @@ pub(crate) async fn serve(stream: TcpStream, shared: Arc<Shared>, place: OwnedSe
     let _ = tokio::time::timeout(ANSWER, connection).await;
 }
 
-fn answer(
+async fn answer(
     request: Request<Incoming>,
     shared: &Arc<Shared>,
     place: &Arc<OwnedSemaphorePermit>,
@@ -83,8 +86,36 @@ fn answer(
             answer.headers_mut().insert(CONTENT_TYPE, HeaderValue::from_static(asset.kind));
             guarded(answer, &host)
         }
-        None => guarded(refusal(StatusCode::NOT_FOUND, "There is nothing here."), &host),
+        None => match files::asked(request.uri().path(), shared) {
+            Some((folder, name)) => file(shared, folder, name.to_owned(), &host).await,
+            None => guarded(nothing(), &host),
+        },
     }
+}
+
+fn nothing() -> Answer {
+    refusal(StatusCode::NOT_FOUND, "There is nothing here.")
+}
+
+/// Shows a file, with an origin of its own.
+async fn file(shared: &Arc<Shared>, folder: u32, name: String, host: &str) -> Answer {
+    // Nobody closes it.
+    let Ok(place) = Arc::clone(&shared.reading).acquire_owned().await else {
+        return guarded(nothing(), host);
+    };
+    let steering = Arc::clone(&shared.steering);
+    let read = tokio::task::spawn_blocking(move || {
+        let shown = steering.file(folder, &name);
+        drop(place);
+        shown
+    });
+    let Ok(Some(shown)) = read.await else { return guarded(nothing(), host) };
+    let mut answer = Response::new(Full::new(Bytes::from(shown.bytes)));
+    answer.headers_mut().insert(CONTENT_TYPE, HeaderValue::from_static(shown.kind));
+    let mut answer = guarded(answer, host);
+    let policy = HeaderValue::from_static(files::POLICY);
+    answer.headers_mut().insert(CONTENT_SECURITY_POLICY, policy);
+    answer
 }
 
 /// Opens a socket, or says why not.

@@ -7,7 +7,7 @@
 //! - [`View`]: the server, its address, and who may do what ([`Access`]);
 //! - [`Hub`]: channels, and messages on them. [`Hub::publish`] never waits for a viewer: each has a
 //!   bounded queue, which loses its oldest messages first and counts them;
-//! - [`Steering`]: parameters, services, messages from viewers, and playback.
+//! - [`Steering`]: parameters, services, messages from viewers, playback, and files to show.
 //!
 //! The program listens on loopback. On any other address it wants a token, and it looks at `Host`
 //! and `Origin` in both cases, so that no other page of the browser can reach it.
@@ -21,6 +21,7 @@ mod caller;
 mod channel;
 mod client;
 mod error;
+mod files;
 mod http;
 mod hub;
 mod origin;
@@ -36,7 +37,9 @@ pub use error::ViewError;
 pub use hub::Hub;
 pub use origin::Origins;
 pub use server::{View, ViewOptions};
-pub use steering::{Parameter, Playback, PlaybackRequest, PlaybackStatus, Service, Steering};
+pub use steering::{
+    Parameter, Playback, PlaybackRequest, PlaybackStatus, Service, Shown, Steering,
+};
 
 /// Port that is tried first.
 pub const PORT: u16 = 8765;

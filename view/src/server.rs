@@ -16,6 +16,8 @@ use crate::{Hub, Origins, PORT, Steering, ViewError, http};
 pub(crate) const CONNECTIONS: usize = 96;
 /// Viewers at once; one more is told so.
 pub(crate) const VIEWERS: usize = 16;
+/// Files that are read at once; whoever wants one more waits.
+const READING: usize = 2;
 /// Ports that are tried after the usual one.
 const MORE_PORTS: u16 = 50;
 /// Threads that wait for whoever does what viewers ask for.
@@ -95,6 +97,8 @@ impl View {
             name: options.name.clone(),
             session,
             viewers: Arc::new(Semaphore::new(VIEWERS)),
+            key: crate::Token::draw().map_err(ViewError::System)?,
+            reading: Arc::new(Semaphore::new(READING)),
         });
         let runtime = Builder::new_multi_thread()
             .worker_threads(1)

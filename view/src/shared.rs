@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use tokio::sync::Semaphore;
 
-use crate::access::Tokens;
+use crate::access::{Token, Tokens};
 use crate::{Hub, Origins, Steering};
 
 /// What all connections share.
@@ -17,4 +17,8 @@ pub(crate) struct Shared {
     /// Differs from start to start.
     pub(crate) session: String,
     pub(crate) viewers: Arc<Semaphore>,
+    /// Stands in the addresses of files: who was let in is told it.
+    pub(crate) key: Token,
+    /// Files that are read at once.
+    pub(crate) reading: Arc<Semaphore>,
 }

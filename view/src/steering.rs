@@ -76,6 +76,15 @@ pub struct Playback {
     pub id: String,
 }
 
+/// A file that is shown beside the page.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Shown {
+    /// What it is, for the browser, as in `text/html; charset=utf-8`.
+    pub kind: &'static str,
+    /// All of it.
+    pub bytes: Vec<u8>,
+}
+
 /// Does what viewers ask for. Every call is made on a thread of the view that may wait, several at
 /// once. What comes is from strangers: it may be anything.
 pub trait Steering: Send + Sync + 'static {
@@ -119,6 +128,13 @@ pub trait Steering: Send + Sync + 'static {
     fn publish(&self, topic: &str, message: Value) -> Result<(), String> {
         let _ = message;
         Err(format!("nobody takes messages on {topic}"))
+    }
+
+    /// A file by the number of its folder and its name. Whoever is let in may see it. A browser
+    /// keeps what it shows apart from the page: it has an origin of its own and reaches nobody.
+    fn file(&self, folder: u32, name: &str) -> Option<Shown> {
+        let _ = (folder, name);
+        None
     }
 
     /// First and last moment of the recording \[ns since the epoch\], where one is played.

@@ -10,6 +10,7 @@ import { Parameters } from "./parameters";
 import { Hysteresis, Stribeck } from "./planes";
 import { Player } from "./player";
 import { Column, Ring } from "./ring";
+import { Runs } from "./runs";
 import { Steering } from "./steering";
 
 /** A token stands behind `#`, which no browser sends. It is taken out of the address line. */
@@ -68,8 +69,9 @@ let access = "full";
 const mayChange = () => access === "full";
 const now = (): Client => client;
 const steering = new Steering(now);
-const commission = new Commission(now);
-const experiments = new Experiments(now);
+const runs = new Runs(now);
+const commission = new Commission(now, runs);
+const experiments = new Experiments(now, runs);
 const parameters = new Parameters(now, mayChange);
 const player = new Player(now);
 
@@ -82,6 +84,7 @@ const client: Client = new Client(
         commission.clear();
       }
       steering.mayChange = experiments.mayChange = commission.mayChange = mayChange();
+      runs.files = info.files;
       cycle = undefined;
       by("lost").hidden = true;
       by("stop").classList.remove("lost");
@@ -112,6 +115,7 @@ const client: Client = new Client(
       steering.services(names);
       experiments.services(names);
       commission.services(names);
+      runs.services(names);
     },
     message: take,
     status(level, text, id) {

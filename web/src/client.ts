@@ -19,6 +19,8 @@ interface Offered {
 export interface Info {
   name: string;
   access: string;
+  /** Where files lie on the server. */
+  files: string;
   /** Another program than before: what the page shows is of the one before. */
   another: boolean;
   /** Of a recording [ns since the epoch]. */
@@ -189,6 +191,7 @@ export class Client {
         const info: Info = {
           name: String(said.name),
           access: String(said.metadata?.access ?? "full"),
+          files: String(said.metadata?.files ?? ""),
           another: this.session !== "" && this.session !== said.sessionId,
         };
         this.session = String(said.sessionId);

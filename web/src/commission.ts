@@ -4,6 +4,7 @@
 import { chart, Line } from "./chart";
 import { Client } from "./client";
 import { by, make, write } from "./dom";
+import { Runs } from "./runs";
 import { short, time } from "./words";
 
 interface Ranged {
@@ -22,6 +23,7 @@ interface Curve {
 
 interface Standing {
   stage: string | null;
+  folder: string;
   doing: string;
   done: { stage: string; seconds: number; found: [string, string][] }[];
   used: number;
@@ -38,10 +40,8 @@ interface Paper {
   phase: "before" | "asks" | "runs" | "done" | "ended";
   question: string | null;
   believed: [string, string][];
-  folder: string | null;
   why: string | null;
   hint: string;
-  report: string | null;
   standing: Standing;
 }
 
@@ -68,7 +68,10 @@ export class Commission {
   private asked = "";
   mayChange = true;
 
-  constructor(private readonly client: () => Client) {
+  constructor(
+    private readonly client: () => Client,
+    private readonly runs: Runs,
+  ) {
     by("commission-stop").addEventListener("click", () => void this.end());
     by("consent-here").addEventListener("change", () => this.enable());
     by("consent-yes").addEventListener("click", () => void this.answer("yes"));
@@ -236,16 +239,25 @@ export class Commission {
       by("verdict").className = good ? "verdict" : "verdict bad";
       const said = good ? (standing.worth ?? "") : `It ended: ${paper.why ?? ""}`;
       write(by("verdict-said"), said);
-      write(by("verdict-hint"), good ? `Parameters and report are in ${paper.folder ?? ""}.` : paper.hint);
-      const link = by<HTMLAnchorElement>("verdict-report");
-      link.hidden = !paper.report;
-      if (paper.report) link.href = paper.report;
+      write(by("verdict-hint"), good ? `Parameters and report are in ${standing.folder}.` : paper.hint);
+      void this.linkReport(paper);
     }
     const lines = by("commission-lines");
     if (lines.childElementCount !== standing.lines.length) {
       lines.replaceChildren(...standing.lines.map((line) => make("li", {}, line)));
     }
     lines.hidden = standing.lines.length === 0;
+  }
+
+  /** The report is there once it is listed. */
+  private async linkReport({ phase, standing: { folder } }: Paper): Promise<void> {
+    const link = by<HTMLAnchorElement>("verdict-report");
+    link.hidden = true;
+    if (phase !== "done" || !folder) return;
+    await this.runs.list();
+    const report = this.runs.report(folder);
+    link.hidden = !report;
+    if (report) link.href = report;
   }
 
   private async answer(answer: "yes" | "no"): Promise<void> {

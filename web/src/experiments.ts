@@ -3,6 +3,7 @@
 import { Client } from "./client";
 import { Message } from "./cdr";
 import { by, make, write } from "./dom";
+import { Runs } from "./runs";
 import { time } from "./words";
 
 interface Option {
@@ -25,7 +26,10 @@ export class Experiments {
   private namespace = "";
   mayChange = true;
 
-  constructor(private readonly client: () => Client) {
+  constructor(
+    private readonly client: () => Client,
+    private readonly runs: Runs,
+  ) {
     by("experiment").addEventListener("change", () => this.describe());
     by("start").addEventListener("click", () => void this.start());
     by("abort").addEventListener("click", () => void this.abort());
@@ -140,5 +144,17 @@ export class Experiments {
       message["bag_path"] ? `bag: ${String(message["bag_path"])}` : "",
     ];
     write(by("experiment-status"), parts.filter(Boolean).join(" · "));
+    const ended = message["stage"] === "idle" && String(message["bag_path"] ?? "");
+    if (ended) void this.linkReport(ended);
+    else by("experiment-report").hidden = true;
+  }
+
+  /** What ended has a report, once it is listed. */
+  private async linkReport(bag: string): Promise<void> {
+    const link = by<HTMLAnchorElement>("experiment-report");
+    await this.runs.list();
+    const report = this.runs.report(bag.replace(/\/bag\/?$/, ""));
+    link.hidden = !report;
+    if (report) link.href = report;
   }
 }

@@ -6,6 +6,7 @@
 mod cycles;
 mod told;
 
+use std::path::Path;
 use std::sync::mpsc::Receiver;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -36,6 +37,8 @@ struct Inner {
 pub struct Standing {
     /// The stage that is underway; none before the first, and at the end.
     pub stage: Option<Stage>,
+    /// Folder of the results.
+    pub folder: String,
     /// What is done now; empty where nothing is.
     pub doing: String,
     /// The stages that are done, in their order.
@@ -56,6 +59,8 @@ pub struct Standing {
     pub lines: Vec<String>,
     /// Whether what was found is worth it; none before the end.
     pub worth: Option<String>,
+    /// Why it ended before its end.
+    pub why: Option<String>,
 }
 
 /// A stage that is done.
@@ -97,9 +102,13 @@ impl Board {
         self.0.cycles.pass(cycle);
     }
 
-    /// A new commission begins, for which friction is to be known so well.
-    pub(crate) fn begin(&self, wanted: &Wanted) {
-        *self.write() = Standing { wanted: wanted.iter().collect(), ..Standing::default() };
+    /// A new commission begins in a folder, for which friction is to be known so well.
+    pub(crate) fn begin(&self, folder: &Path, wanted: &Wanted) {
+        *self.write() = Standing {
+            folder: folder.display().to_string(),
+            wanted: wanted.iter().collect(),
+            ..Standing::default()
+        };
     }
 
     /// A stage begins.
@@ -163,6 +172,11 @@ impl Board {
         standing.worth = Some(worth);
     }
 
+    /// It ended before its end.
+    pub(crate) fn ended(&self, why: String) {
+        self.write().why = Some(why);
+    }
+
     fn write(&self) -> MutexGuard<'_, Standing> {
         // Whoever panicked had nothing half written that anybody stands on.
         self.0.standing.lock().unwrap_or_else(PoisonError::into_inner)
@@ -176,7 +190,7 @@ mod tests {
     #[test]
     fn the_last_lines_are_kept_and_a_block_is_told_once() {
         let board = Board::default();
-        board.begin(&Wanted::default());
+        board.begin(Path::new("a"), &Wanted::default());
         for line in 0..LINES + 3 {
             board.line(&line.to_string());
         }
@@ -194,7 +208,7 @@ mod tests {
         assert_eq!(standing.narrowed.len(), 2);
         assert_eq!(standing.narrowed[1].parameters.len(), CurveParameter::ALL.len());
         assert_eq!(standing.points.len(), 11);
-        board.begin(&Wanted::default());
+        board.begin(Path::new("b"), &Wanted::default());
         assert!(board.standing().narrowed.is_empty());
     }
 }

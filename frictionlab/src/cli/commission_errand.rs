@@ -1,13 +1,13 @@
 //! A commission that is asked for over ROS 2.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, LazyLock};
 
 use clap::{Args, Command};
 use commission::friction::wanted::CurveParameter;
 use commission::hand_over::{Found, proved};
-use commission::{Board, Outcome, Ranged};
+use commission::{Outcome, Ranged};
 use experiment_runner::errand::{Carried, Ending, Errand, Prepared};
 use experiment_runner::server::request::parse;
 use msgs::friction_msgs::EstimatedParameter;
@@ -18,12 +18,10 @@ use work::progress::Progress;
 
 use super::commission_args::CommissionArgs;
 use super::commission_planned::{Planned, ended, planned};
+use crate::viewing::REQUESTED;
 
 /// Rig time that it usually takes \[s\].
 const USUAL: f64 = 450.0;
-
-/// How the commission stands that was asked for last: one is done at a time.
-pub(crate) static BOARD: LazyLock<Board> = LazyLock::new(Board::default);
 
 /// The commission, as an experiment can be asked for.
 pub struct Commission;
@@ -128,7 +126,7 @@ fn carried_out(
     let (known, identity) = planned.look()?;
     let asked = planned.asked.clone();
     let dossier = planned.begin(&identity, || Ok(folder.to_owned()))?;
-    commission::run_watched(&asked, &known, &dossier, cancel, (progress, &BOARD))
+    commission::run_watched(&asked, &known, &dossier, cancel, (progress, &REQUESTED))
         .map_err(|error| ended(error, &dossier))
 }
 

@@ -8,7 +8,8 @@ use view::ViewOptions;
 
 use crate::launch::arguments::AxisArguments;
 use crate::launch::{LaunchArguments, LaunchFile, files::ConfigFolder, plan, supervise::supervise};
-use crate::viewing::{Heard, NodesView, Shown, ViewArgs, refused};
+use crate::viewing::{Heard, NodesView, Shelf, Shown, ViewArgs, refused};
+use work::destination::RUNS;
 use work::saying::print;
 
 /// Start the nodes, each a process of its own
@@ -141,7 +142,8 @@ fn views(args: &ViewArgs, arguments: &LaunchArguments) -> anyhow::Result<Vec<Nod
         // The axis behind the first has the port behind it.
         let port = options.port.map(|port| port.saturating_add(at as u16));
         let options = ViewOptions { port, ..options.clone() };
-        NodesView::open(&options, &participant, shown, Box::new(join)).map_err(refused)
+        let shelf = Shelf::new(args.runs(RUNS));
+        NodesView::open(&options, &participant, (shown, shelf), Box::new(join)).map_err(refused)
     };
     arguments.axes.iter().enumerate().map(view).collect()
 }

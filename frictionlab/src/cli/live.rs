@@ -288,6 +288,7 @@ fn options(args: &LiveArgs, chosen: &Chosen) -> anyhow::Result<LiveOptions> {
             offers: super::ERRANDS,
         }),
         view: args.view.options("live"),
+        view_runs: args.view.runs(RUNS).to_owned(),
         ros_arguments: args
             .quiet
             .then_some(["--log-level", "error"].map(str::to_owned))

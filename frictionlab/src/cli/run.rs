@@ -78,7 +78,8 @@ fn run_in(
         }
     }
     let progress = Progress::new(options.rig_seconds(), args.quiet);
-    let view = view.of_bags("run", options.experiment.as_str(), &cancel, &progress, args.quiet)?;
+    let view =
+        view.of_bags("run", (options.experiment.as_str(), folder), &cancel, &progress, args.quiet)?;
     let outcome = run::execute_in(options, folder, beginning, &progress, &cancel);
     progress.finish();
     let told = tell(args, outcome, folder);

@@ -15,7 +15,7 @@ use experiment_runner::server::node::Runner;
 use experiment_runner::server::parameters::RunnerParameters;
 use rig_setup::RigChoice;
 
-use crate::viewing::{Heard, NodesView, Shown, ViewArgs, refused};
+use crate::viewing::{Heard, NodesView, Shelf, Shown, ViewArgs, refused};
 
 /// Run experiments for whoever asks over ROS 2
 ///
@@ -141,7 +141,8 @@ fn serve(
             )
         };
         let shown = Shown { heard: Heard::Network, experiments: true };
-        NodesView::open(&options, &participant, shown, Box::new(join))
+        let shelf = Shelf::new(args.view.runs(&args.runs));
+        NodesView::open(&options, &participant, (shown, shelf), Box::new(join))
     });
     let view = view.transpose().map_err(refused)?;
     let middleware = Watch::start(stop).context("no thread can be started")?;

@@ -49,7 +49,7 @@ use period_errors::PeriodErrors;
 use publishing::{Nodes, RunnerSide};
 use recording::Recorded;
 
-use crate::viewing::{Heard, NodesView, Shown};
+use crate::viewing::{Heard, NodesView, Shelf, Shown};
 
 use ::recording::bag::{BagOptions, BagWriter};
 use experiment_runner::compensation::Means;
@@ -124,6 +124,9 @@ pub struct LiveOptions {
     /// A page in the browser; none for none.
     #[serde(skip)]
     pub view: Option<ViewOptions>,
+    /// The folder whose reports and bags it lists.
+    #[serde(skip)]
+    pub view_runs: PathBuf,
     /// File for the exact percentiles of the periods' errors.
     #[serde(skip)]
     pub timing: Option<OutputFile>,
@@ -171,7 +174,8 @@ pub fn run(
             let join =
                 move || Participant::join_with(&discovery, arguments.clone().or_enclave("/live"));
             let shown = Shown { heard: Heard::Inside, experiments: options.serve.is_some() };
-            NodesView::open(view, &participant, shown, Box::new(join))
+            let shelf = Shelf::new(&options.view_runs);
+            NodesView::open(view, &participant, (shown, shelf), Box::new(join))
         })
         .transpose()?;
     let bag = options.bag()?;

@@ -1,16 +1,20 @@
 //! The options of a view.
 
 use std::net::{IpAddr, Ipv4Addr};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use clap::ValueHint;
 use commission::Board;
 use view::{ViewError, ViewOptions};
 use work::BadInput;
+use work::destination::RUNS;
 use work::progress::Progress;
 
 use super::bags::BagsView;
 use super::commissioning::CommissionView;
+use super::shelf::Shelf;
 
 /// Options of a view of what a command does.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -19,6 +23,9 @@ pub struct ViewArgs {
     /// Foxglove's WebSocket protocol connect to the same port
     #[arg(long)]
     pub view: bool,
+    /// The folder whose reports and bags the view lists [default: runs, or where --runs says]
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub view_runs: Option<PathBuf>,
     /// Where it is.
     #[command(flatten)]
     pub place: ViewPlace,
@@ -69,7 +76,13 @@ impl ViewPlace {
 }
 
 impl ViewArgs {
-    /// Opens the view that is asked for, of work called `what` that sets `stop` when a viewer wants
+    /// The folder whose reports and bags are listed; `usual` where nothing else is said.
+    #[must_use]
+    pub fn runs<'a>(&'a self, usual: &'a str) -> &'a Path {
+        self.view_runs.as_deref().unwrap_or(Path::new(usual))
+    }
+
+    /// Opens the view that is asked for, of work called `what` in `folder` that sets `stop` when a viewer wants
     /// it to end, and tells on standard error where it is.
     ///
     /// # Errors
@@ -77,13 +90,15 @@ impl ViewArgs {
     pub fn of_bags(
         &self,
         command: &str,
-        what: &str,
+        (what, folder): (&str, &Path),
         stop: &Arc<AtomicBool>,
         progress: &Progress,
         quiet: bool,
     ) -> anyhow::Result<Option<BagsView>> {
         let Some(options) = self.options(command) else { return Ok(None) };
-        let view = BagsView::open(&options, what, stop, progress).map_err(worded)?;
+        let shelf = Shelf::new(self.runs(RUNS));
+        shelf.add(folder);
+        let view = BagsView::open(&options, what, stop, (progress, shelf)).map_err(worded)?;
         tell(&view.words(), &options, quiet);
         Ok(Some(view))
     }
@@ -100,7 +115,8 @@ impl ViewArgs {
         quiet: bool,
     ) -> anyhow::Result<Option<CommissionView>> {
         let Some(options) = self.options("commission") else { return Ok(None) };
-        let view = CommissionView::open(&options, board, stop).map_err(worded)?;
+        let view = CommissionView::open(&options, board, stop, Shelf::new(self.runs(RUNS)))
+            .map_err(worded)?;
         tell(&view.words(), &options, quiet);
         Ok(Some(view))
     }

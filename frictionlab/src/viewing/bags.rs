@@ -15,6 +15,7 @@ use super::at_work::WorkView;
 use super::clock::now_ns;
 use super::ending::Ending;
 use super::pace::Pace;
+use super::shelf::{Shelf, WithShelf};
 use super::topics::known;
 
 /// A view of what is written into bags. Dropped, it ends.
@@ -29,7 +30,7 @@ impl BagsView {
         options: &ViewOptions,
         name: &str,
         stop: &Arc<AtomicBool>,
-        progress: &Progress,
+        (progress, shelf): (&Progress, Arc<Shelf>),
     ) -> Result<Self, ViewError> {
         let hub = Hub::default();
         let channels: BTreeMap<String, ChannelId> = known()
@@ -39,6 +40,7 @@ impl BagsView {
         let status = channels.get(topics::EXPERIMENT_STATUS.name).copied();
         let ending = Arc::new(Ending::new(stop));
         let asked: Arc<dyn Steering> = Arc::new(OnlyEnding(Arc::clone(&ending)));
+        let asked = Arc::new(WithShelf { asked, shelf });
         let (told, progress, name) = (hub.clone(), progress.clone(), name.to_owned());
         let tell = move || {
             if let Some(status) = status {

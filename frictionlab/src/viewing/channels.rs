@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use msgs::rcl_interfaces::Log;
 use msgs::topics::{self, Topic};
 use msgs::{RosMessage, cdr};
 use ros_node::{Inside, Listener, LogLevel, Named, Participant, RosNode, RosNodeError};
@@ -43,8 +44,39 @@ pub(super) fn open(
     let log =
         hub.offer(Channel { latched: false, ..Channel::latched_json("/rosout", "foxglove.Log") });
     let known = offers.known;
-    participant.listen_inside(listener(hub.clone(), known, log));
+    match heard {
+        Heard::Inside => {
+            participant.listen_inside(listener(hub.clone(), known, log));
+        }
+        // Every node's lines come from there, those of this process too.
+        Heard::Network => {
+            let hub = hub.clone();
+            node.subscribe(&topics::ROSOUT, move |line: Log| {
+                let stamp_ns = line.stamp.to_nanos();
+                // As the level of `foxglove.Log`.
+                let level = (line.level / 10).clamp(1, 5);
+                hub.publish(
+                    log,
+                    stamp_ns,
+                    logged(stamp_ns, level, &line.name, &line.msg).as_bytes(),
+                );
+            })?;
+        }
+    }
     Ok(())
+}
+
+/// A line of the log, as `foxglove.Log`.
+fn logged(stamp_ns: u64, level: u8, name: &str, text: &str) -> String {
+    json!({
+        "timestamp": { "sec": stamp_ns / 1_000_000_000, "nsec": stamp_ns % 1_000_000_000 },
+        "level": level,
+        "message": text,
+        "name": name,
+        "file": "",
+        "line": 0,
+    })
+    .to_string()
 }
 
 /// Channels by their topics, and whether who comes late gets the last message.
@@ -92,21 +124,14 @@ fn listener(hub: Hub, known: Known, log: ChannelId) -> Listener {
             }
         }
         Inside::Line { node, level, stamp_ns, text } => {
-            let line = json!({
-                "timestamp": { "sec": stamp_ns / 1_000_000_000, "nsec": stamp_ns % 1_000_000_000 },
-                "level": match level {
-                    LogLevel::Debug => 1,
-                    LogLevel::Info => 2,
-                    LogLevel::Warn => 3,
-                    LogLevel::Error => 4,
-                    LogLevel::Fatal => 5,
-                },
-                "message": text,
-                "name": node,
-                "file": "",
-                "line": 0,
-            });
-            hub.publish(log, stamp_ns, line.to_string().as_bytes());
+            let level = match level {
+                LogLevel::Debug => 1,
+                LogLevel::Info => 2,
+                LogLevel::Warn => 3,
+                LogLevel::Error => 4,
+                LogLevel::Fatal => 5,
+            };
+            hub.publish(log, stamp_ns, logged(stamp_ns, level, node, text).as_bytes());
         }
     })
 }

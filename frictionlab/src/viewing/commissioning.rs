@@ -1,10 +1,10 @@
 //! A view of a commission: how it stands, the cycles of its rig, and the consent to it.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -22,6 +22,7 @@ use super::clock::now_ns;
 use super::ending::Ending;
 use super::pace::Pace;
 use super::paper::Paper;
+use super::shelf::{Shelf, WithShelf};
 use super::topics::known;
 
 /// The service by which a viewer says whether the shaft may turn.
@@ -29,10 +30,34 @@ const CONSENT: &str = "/commission/consent";
 /// How long the thread that shows cycles waits for one before it looks whether it is over.
 const WAIT: Duration = Duration::from_millis(200);
 
+/// The commission that was asked for over ROS 2 last: one is done at a time.
+pub static REQUESTED: LazyLock<Board> = LazyLock::new(Board::default);
+
+/// How the commission stands that was asked for; nothing before the first.
+#[cfg(feature = "ros")]
+pub(super) fn requested() -> Option<Value> {
+    let standing = REQUESTED.standing();
+    let phase = match (&standing.why, &standing.worth) {
+        (Some(_), _) => "ended",
+        (None, Some(_)) => "done",
+        (None, None) => "runs",
+    };
+    let paper = json!({
+        "phase": phase,
+        "question": null,
+        "believed": [],
+        "why": standing.why,
+        "hint": "",
+        "standing": standing,
+    });
+    (!standing.folder.is_empty()).then_some(paper)
+}
+
 /// A view of a commission. Dropped, it ends.
 pub struct CommissionView {
     work: WorkView,
     desk: Arc<Desk>,
+    shelf: Arc<Shelf>,
 }
 
 /// What the threads of a view share.
@@ -47,7 +72,6 @@ struct State {
     phase: Phase,
     /// What is believed of the rig: name and value.
     believed: Vec<(String, String)>,
-    folder: Option<PathBuf>,
     /// What to do next, where it did not come to its end.
     hint: String,
 }
@@ -83,6 +107,7 @@ impl CommissionView {
         options: &ViewOptions,
         board: &Board,
         stop: &Arc<AtomicBool>,
+        shelf: Arc<Shelf>,
     ) -> Result<Self, ViewError> {
         let hub = Hub::default();
         let channels: BTreeMap<String, ChannelId> = known()
@@ -91,11 +116,12 @@ impl CommissionView {
             .collect();
         let desk = Arc::new(Desk { board: board.clone(), state: Mutex::default() });
         let ending = Arc::new(Ending::new(stop));
-        let asked = Asked { desk: Arc::clone(&desk), ending: Arc::clone(&ending) };
+        let asked = Arc::new(Asked { desk: Arc::clone(&desk), ending: Arc::clone(&ending) });
+        let asked = Arc::new(WithShelf { asked, shelf: Arc::clone(&shelf) });
         let mut paper = Paper::new(&hub);
         let told = Arc::clone(&desk);
         let tell = move || paper.tell(&told.document());
-        let work = WorkView::open(options, &hub, (Arc::new(asked), ending), tell)?;
+        let work = WorkView::open(options, &hub, (asked, ending), tell)?;
         if let Some(cycles) = board.listen() {
             let shown = Shown::new(hub, &channels);
             thread::Builder::new()
@@ -103,7 +129,7 @@ impl CommissionView {
                 .spawn(move || shown.all(&cycles))
                 .map_err(ViewError::System)?;
         }
-        Ok(Self { work, desk })
+        Ok(Self { work, desk, shelf })
     }
 
     /// Where it is, in words for people.
@@ -134,9 +160,8 @@ impl CommissionView {
 
     /// The stages begin; results go to `folder`.
     pub fn begins(&self, folder: &Path) {
-        let mut state = self.desk.state();
-        (state.phase, state.folder) = (Phase::Runs, Some(folder.to_owned()));
-        drop(state);
+        self.shelf.add(folder);
+        self.desk.state().phase = Phase::Runs;
         self.work.poke();
     }
 
@@ -173,7 +198,6 @@ impl Desk {
             "phase": phase,
             "question": question,
             "believed": state.believed,
-            "folder": state.folder.as_ref().map(|folder| folder.display().to_string()),
             "why": why,
             "hint": state.hint,
             "standing": standing,

@@ -10,6 +10,7 @@
 //!   view;
 //! - [`BagsView`]: a run without nodes, by what it writes into its bag;
 //! - [`CommissionView`]: a commission, by what its stages write on its board;
+//! - [`Shelf`]: folders of results, with their reports and bags;
 //! - [`Player`]: a recording.
 
 mod args;
@@ -35,6 +36,7 @@ mod player;
 mod services;
 #[cfg(feature = "ros")]
 mod settings;
+mod shelf;
 mod topics;
 mod words;
 
@@ -42,8 +44,9 @@ pub use args::{ViewArgs, ViewPlace, worded};
 pub use bags::BagsView;
 #[cfg(feature = "ros")]
 pub use channels::Heard;
-pub use commissioning::CommissionView;
+pub use commissioning::{CommissionView, REQUESTED};
 #[cfg(feature = "ros")]
 pub use nodes::{Join, NodesView, NodesViewError, Shown, refused};
 pub use player::Player;
+pub use shelf::Shelf;
 pub use words::words;

@@ -14,12 +14,17 @@ pub use super::asking::Join;
 use super::asking::{Asking, Publishing};
 use super::channels::{self, Heard};
 use super::clock::now_ns;
+use super::commissioning::requested;
+use super::paper::Paper;
 use super::services;
 use super::settings::Settings;
+use super::shelf::{Shelf, WithShelf};
 use super::words::words;
 
-/// How often the nodes are asked for their parameters, and viewers told the time.
+/// How often the nodes are asked for their parameters.
 const AGAIN: Duration = Duration::from_secs(1);
+/// How often viewers are told the time, and how a commission stands.
+const TOLD: Duration = Duration::from_millis(250);
 
 /// What a view shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,7 +84,7 @@ impl NodesView {
     pub fn open(
         options: &ViewOptions,
         participant: &Participant,
-        shown: Shown,
+        (shown, shelf): (Shown, Arc<Shelf>),
         join: Join,
     ) -> Result<Self, NodesViewError> {
         let hub = Hub::default();
@@ -98,7 +103,11 @@ impl NodesView {
         // On a secured network the view steers with this process's own key.
         let secured = participant.enclave().is_some();
         let options = ViewOptions { token: options.token || secured, ..options.clone() };
-        let view = View::start(&options, hub.clone(), Arc::new(asking))?;
+        let view = View::start(
+            &options,
+            hub.clone(),
+            Arc::new(WithShelf { asked: Arc::new(asking), shelf }),
+        )?;
         let mut opened = Self { view: Some(view), poke: Some(poke), watching: Vec::new() };
         let (ends, ended) = channel::<()>();
         let told = hub.clone();
@@ -112,9 +121,13 @@ impl NodesView {
                 }
             }
         })?;
+        let mut paper = Paper::new(&told);
         opened.watch("view time", move || {
-            while !matches!(ended.recv_timeout(AGAIN), Err(RecvTimeoutError::Disconnected)) {
+            while !matches!(ended.recv_timeout(TOLD), Err(RecvTimeoutError::Disconnected)) {
                 told.time(now_ns());
+                if let Some(standing) = requested() {
+                    paper.tell(&standing);
+                }
             }
         })?;
         Ok(opened)

@@ -31,6 +31,7 @@ mod mcap_file;
 mod metadata;
 mod options;
 mod output;
+mod placed;
 mod playing;
 mod read_at;
 mod reader;

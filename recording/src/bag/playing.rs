@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use super::guard::guarded;
-use super::reader::{BagReader, damaged, message_reader, options};
+use super::placed::Placed;
+use super::reader::{BagReader, damaged};
 use super::{BagError, salvage::LARGEST_RECORD, sqlite};
 
 /// A topic as the bag describes it.
@@ -57,7 +59,8 @@ impl BagReader {
     }
 
     /// Hands over every message from `start` \[ns since the epoch\] on, in the order of the files,
-    /// until `take` breaks. Returns whether it came to the end.
+    /// until `take` breaks. The file's index tells where to begin, so that a late `start` costs no more
+    /// than an early one. Returns whether it came to the end.
     ///
     /// # Errors
     /// [`BagError::Read`] or [`BagError::Damaged`]; what came before was handed over.
@@ -73,22 +76,21 @@ impl BagReader {
             {
                 continue;
             }
-            let mut messages = guarded(path, || message_reader(&file.file, options()))?;
+            let channels = file.summary.channels.iter();
+            let channels = channels.map(|(id, channel)| (*id, Arc::clone(channel))).collect();
+            let mut messages = guarded(path, || Placed::from(file, &channels, start))?;
             loop {
-                let next = guarded(path, || {
-                    messages.next().transpose().map_err(|error| damaged(path, error))
-                })?;
-                let Some(message) = next else { break };
-                if message.log_time < start {
+                let next = guarded(path, || messages.next().map_err(|error| damaged(path, error)))?;
+                let Some((channel, time, data)) = next else { break };
+                if time < start {
                     continue;
                 }
-                let packed = message.data.starts_with(sqlite::ZSTD);
+                let packed = data.starts_with(sqlite::ZSTD);
                 let unpacked = packed
-                    .then(|| sqlite::unpack(path, &message.data, LARGEST_RECORD as u64))
+                    .then(|| sqlite::unpack(path, &data, LARGEST_RECORD as u64))
                     .transpose()?;
-                let bytes = unpacked.as_deref().unwrap_or(&message.data);
-                let topic = &message.channel.topic;
-                if take(RecordedMessage { topic, time: message.log_time, bytes }).is_break() {
+                let bytes = unpacked.as_deref().unwrap_or(&data);
+                if take(RecordedMessage { topic: &channel.topic, time, bytes }).is_break() {
                     return Ok(false);
                 }
             }
@@ -103,6 +105,41 @@ mod tests {
 
     use super::*;
     use crate::bag::{BagOptions, BagWriter};
+
+    /// What lies before the chunk of the moment is not even looked at.
+    #[test]
+    fn a_late_moment_is_found_by_the_index() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("bag");
+        let options = BagOptions { chunk_size: 512, ..BagOptions::default() };
+        let mut bag = BagWriter::create(&path, options).unwrap();
+        for time in 0..1000 {
+            let message = MotorVoltage { voltage: time as f64, ..MotorVoltage::default() };
+            bag.write("/motor_voltage", time, &message).unwrap();
+        }
+        bag.finish().unwrap();
+        let file = first_mcap(&path);
+        let mut bytes = std::fs::read(&file).unwrap();
+        let end = bytes.len() / 2;
+        // The head of the file, which is read whoever opens it, stays.
+        bytes[200..end].fill(0xff);
+        std::fs::write(&file, bytes).unwrap();
+        let bag = BagReader::open(&path).unwrap();
+        let mut times = Vec::new();
+        let whole = bag.play(900, |message| {
+            times.push(message.time);
+            ControlFlow::Continue(())
+        });
+        assert!(whole.unwrap());
+        assert_eq!(times, (900..1000).collect::<Vec<u64>>());
+        // From the beginning on, the damage shows.
+        assert!(bag.play(0, |_| ControlFlow::Continue(())).is_err());
+    }
+
+    fn first_mcap(folder: &std::path::Path) -> std::path::PathBuf {
+        let mut files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        files.find(|file| file.extension().is_some_and(|end| end == "mcap")).unwrap()
+    }
 
     #[test]
     fn what_was_written_is_played_from_any_moment() {

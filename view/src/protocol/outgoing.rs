@@ -10,11 +10,12 @@ pub(crate) const ERROR: u8 = 2;
 /// Level of a status: something may go wrong.
 pub(crate) const WARNING: u8 = 1;
 
-/// Who speaks, and what it can do. `session` differs from start to start.
+/// Who speaks, and what it can do. `key` opens the files; `session` differs from start to start.
 pub(crate) fn server_info(
     name: &str,
     session: &str,
     access: Access,
+    key: &str,
     recording: Option<(u64, u64)>,
 ) -> String {
     let mut capabilities = vec!["services", "parameters", "parametersSubscribe", "time"];
@@ -25,7 +26,10 @@ pub(crate) fn server_info(
         "op": "serverInfo",
         "name": name,
         "supportedEncodings": ["json"],
-        "metadata": { "access": if access == Access::Full { "full" } else { "read-only" } },
+        "metadata": {
+            "access": if access == Access::Full { "full" } else { "read-only" },
+            "files": format!("/files/{key}/"),
+        },
         "sessionId": session,
     });
     if let Some((start, end)) = recording {

@@ -92,6 +92,36 @@ fn on_the_network_only_a_token_opens_the_socket() {
 }
 
 #[test]
+fn a_file_is_shown_to_who_was_let_in_and_reaches_nobody() {
+    let server = Server::start("0.0.0.0");
+    let host = server.address();
+    let get = |path: &str| format!("GET {path} HTTP/1.1\r\nHost: {host}");
+    let mut viewer = server.viewer(Some(&server.token(true)));
+    let files = viewer.hear_op("serverInfo")["metadata"]["files"].as_str().unwrap().to_owned();
+    let answer = server.answer(&get(&format!("{files}7/report.html"))).to_ascii_lowercase();
+    assert!(answer.starts_with("http/1.1 200"), "{answer}");
+    assert!(answer.contains("content-security-policy: sandbox allow-scripts"), "{answer}");
+    assert!(answer.contains("default-src 'none'") && !answer.contains("allow-same-origin"));
+    assert!(answer.contains("referrer-policy: no-referrer"));
+    let other = "/files/0000000000000000000000000000000000000000/7/report.html".to_owned();
+    for wrong in [
+        other,
+        "/files/7/report.html".to_owned(),
+        format!("{files}8/report.html"),
+        format!("{files}7/other.html"),
+        format!("{files}7/../7/report.html"),
+        format!("{files}7/%2e%2e/report.html"),
+        format!("{files}7/report.html/"),
+    ] {
+        assert_eq!(server.status(&get(&wrong)), 404, "{wrong}");
+    }
+    // The key opens no socket.
+    let key = files.trim_start_matches("/files/").trim_end_matches('/');
+    let more = format!("{SPOKEN}, token.{key}");
+    assert_eq!(server.status(&upgrade(&host.to_string(), &more)), 401);
+}
+
+#[test]
 fn who_may_only_look_changes_nothing() {
     let server = Server::start("0.0.0.0");
     let mut viewer = server.viewer(Some(&server.token(true)));

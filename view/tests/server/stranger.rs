@@ -10,7 +10,9 @@ use serde_json::{Value, json};
 use tokio_tungstenite::tungstenite::client::IntoClientRequest;
 use tokio_tungstenite::tungstenite::protocol::WebSocket;
 use tokio_tungstenite::tungstenite::{Message, client};
-use view::{Access, Channel, ChannelId, Hub, Parameter, Service, Steering, View, ViewOptions};
+use view::{
+    Access, Channel, ChannelId, Hub, Parameter, Service, Shown, Steering, View, ViewOptions,
+};
 
 /// Longest wait for what must come.
 pub const PATIENCE: Duration = Duration::from_secs(60);
@@ -61,6 +63,11 @@ impl Steering for StandIn {
     fn set_parameters(&self, _: Vec<Parameter>) -> Result<(), String> {
         self.changed.fetch_add(1, Ordering::SeqCst);
         Err("b must be 0 to 2, but is 3".to_owned())
+    }
+
+    fn file(&self, folder: u32, name: &str) -> Option<Shown> {
+        let known = (folder, name) == (7, "report.html");
+        known.then(|| Shown { kind: "text/html; charset=utf-8", bytes: b"<p>a report".to_vec() })
     }
 
     fn publish(&self, _: &str, _: Value) -> Result<(), String> {
