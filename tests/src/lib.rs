@@ -17,6 +17,7 @@ pub mod python;
 pub mod readers;
 pub mod simulators;
 pub mod tab;
+pub mod viewed;
 pub mod wire;
 
 pub use needs::needs;

@@ -1,110 +1,11 @@
 //! The view of the real program in a real browser: what is seen moves, what is asked is done or
 //! refused with a reason, and the emergency stop works.
 
-use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Child, ChildStdout, Command, Stdio};
-use std::thread;
 
 use serde_json::Value;
-use tests::network::{namespaced, run_ignored, turn};
 use tests::tab::Tab;
-
-/// Runs a test of this file that is ignored elsewhere, on a machine with loopback only.
-fn inside(test: &str) {
-    let _turn = turn();
-    let program = tests::frictionlab().get_program().to_owned();
-    run_ignored(namespaced(), test, &[("FRICTIONLAB_BIN", &program)]);
-}
-
-/// `frictionlab live --view`, and where its page is. Dropped, it is killed.
-struct Live {
-    program: Child,
-    url: String,
-}
-
-impl Live {
-    fn start(folder: &Path, port: &str, more: &[&str]) -> Self {
-        let loop_of_its_own = ["live", "--view", "--view-port", port, "--force", "--out", "out"];
-        Self::start_command(folder, &[&loop_of_its_own, more].concat())
-    }
-
-    fn start_command(folder: &Path, words: &[&str]) -> Self {
-        let mut program: Child = tests::frictionlab()
-            .args(words)
-            .current_dir(folder)
-            .env("ROS_DOMAIN_ID", "77")
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("it starts");
-        let mut lines = BufReader::new(program.stdout.take().expect("its output is ours"));
-        let url = loop {
-            let mut line = String::new();
-            let count = lines.read_line(&mut line).expect("its output");
-            assert!(count > 0, "it ended without a view");
-            if let Some((_, url)) = line.split_once("view: ") {
-                break url.trim().to_owned();
-            }
-        };
-        // What it says later is read, so that it never waits for us.
-        thread::spawn(move || drain(lines));
-        Self { program, url }
-    }
-
-    fn port(&self) -> String {
-        let address = self.url.trim_end_matches('/');
-        address.rsplit(':').next().expect("a port").to_owned()
-    }
-
-    /// Ends it as ctrl-C does.
-    fn end(mut self) {
-        let id = self.program.id().to_string();
-        let told = Command::new("kill").args(["-INT", &id]).status().expect("kill runs");
-        assert!(told.success());
-        assert!(self.program.wait().expect("it ends").success());
-    }
-}
-
-impl Drop for Live {
-    fn drop(&mut self) {
-        // It may have ended already.
-        let _ = self.program.kill();
-        let _ = self.program.wait();
-    }
-}
-
-fn drain(lines: BufReader<ChildStdout>) {
-    lines.lines().map_while(Result::ok).for_each(drop);
-}
-
-/// The page of a running loop, connected.
-fn page(live: &Live) -> Tab {
-    let mut tab = Tab::open();
-    tab.look(1200, false);
-    tab.go(&live.url);
-    tab.until("document.getElementById('connection').textContent === 'connected'");
-    tab
-}
-
-/// Sets a parameter as a person does who types.
-fn set(tab: &mut Tab, name: &str, value: &str) {
-    let row = format!("document.querySelector('[data-name=\"{name}\"]')");
-    tab.until(&row);
-    tab.evaluate(&format!(
-        "(() => {{ const input = {row}.querySelector('input:not([type=range])');
-         input.value = '{value}'; input.dispatchEvent(new Event('change')); }})()"
-    ));
-}
-
-/// What is said beside a parameter.
-fn said(name: &str) -> String {
-    format!("document.querySelector('[data-name=\"{name}\"] output').textContent")
-}
-
-fn rig_is(tab: &mut Tab, state: &str) {
-    tab.until(&format!("document.getElementById('rig').textContent === 'rig: {state}'"));
-}
+use tests::viewed::{Viewed, barriers, inside, page, rig_is, said, set};
 
 #[tests::needs(chromium, namespace)]
 #[test]
@@ -116,7 +17,7 @@ fn a_live_loop_is_seen_and_steered() {
 #[ignore = "in a network namespace only"]
 fn inside_seen_and_steered() {
     let folder = tempfile::tempdir().unwrap();
-    let live = Live::start(folder.path(), "0", &[]);
+    let live = Viewed::live(folder.path(), "0", &[]);
     let mut tab = page(&live);
     rig_is(&mut tab, "active");
     // Curves and planes fill up.
@@ -165,7 +66,7 @@ fn inside_seen_and_steered() {
     tab.until("!document.getElementById('lost').hidden");
     tab.click("#stop");
     tab.until("document.getElementById('stop-said').textContent.includes('NOT confirmed')");
-    let _live = Live::start(folder.path(), &port, &[]);
+    let _live = Viewed::live(folder.path(), &port, &[]);
     tab.until("document.getElementById('connection').textContent === 'connected'");
     assert_eq!(tab.evaluate("document.getElementById('lost').hidden"), true);
     rig_is(&mut tab, "active");
@@ -181,7 +82,7 @@ fn the_page_fits_every_width_and_is_used_by_keyboard_alone() {
 #[ignore = "in a network namespace only"]
 fn inside_widths_and_keyboard() {
     let folder = tempfile::tempdir().unwrap();
-    let live = Live::start(folder.path(), "0", &[]);
+    let live = Viewed::live(folder.path(), "0", &[]);
     let mut tab = page(&live);
     tab.until("document.querySelector('[data-name=\"fade\"]')");
     tab.evaluate(
@@ -231,20 +132,13 @@ fn nothing_keeps_people_from_the_page() {
 #[ignore = "in a network namespace only"]
 fn inside_accessible() {
     let folder = tempfile::tempdir().unwrap();
-    let live = Live::start(folder.path(), "0", &["--serve"]);
+    let live = Viewed::live(folder.path(), "0", &["--serve"]);
     let mut tab = page(&live);
     tab.until("document.querySelector('[data-name=\"fade\"]')");
     tab.until("document.getElementById('experiment').options.length > 3");
-    tab.evaluate("document.querySelectorAll('details').forEach((one) => one.open = true)");
-    let axe = std::fs::read_to_string(machine::axe()).unwrap();
-    tab.evaluate(&format!("(() => {{ {axe}; return 1; }})()"));
     for dark in [false, true] {
         tab.look(if dark { 360 } else { 1200 }, dark);
-        let found = tab.evaluate(
-            "axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'best-practice'] })
-             .then((all) => all.violations.map((one) => one.id + ': ' + one.nodes.map((node) => node.target + ' ' + node.failureSummary).join('; ')))",
-        );
-        assert_eq!(found, Value::Array(Vec::new()), "dark: {dark}");
+        assert_eq!(barriers(&mut tab), Value::Array(Vec::new()), "dark: {dark}");
     }
 }
 
@@ -258,7 +152,7 @@ fn a_page_that_holds_a_jog_and_vanishes_stops_the_motor() {
 #[ignore = "in a network namespace only"]
 fn inside_jog() {
     let folder = tempfile::tempdir().unwrap();
-    let live = Live::start(folder.path(), "0", &[]);
+    let live = Viewed::live(folder.path(), "0", &[]);
     let mut watching = page(&live);
     let mut tab = page(&live);
     rig_is(&mut tab, "active");
@@ -287,7 +181,7 @@ fn an_experiment_is_started_and_aborted_from_the_page() {
 #[ignore = "in a network namespace only"]
 fn inside_experiment() {
     let folder = tempfile::tempdir().unwrap();
-    let live = Live::start(folder.path(), "0", &["--serve"]);
+    let live = Viewed::live(folder.path(), "0", &["--serve"]);
     let mut tab = page(&live);
     tab.until("document.getElementById('experiment').options.length > 3");
     tab.evaluate(
@@ -323,7 +217,7 @@ fn inside_recording() {
         .output()
         .unwrap();
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-    let played = Live::start_command(folder.path(), &["view", "out/bag", "--view-port", "0"]);
+    let played = Viewed::start(folder.path(), &["view", "out/bag", "--view-port", "0"]);
     let mut tab = page(&played);
     assert_eq!(tab.evaluate("document.getElementById('player').hidden"), false);
     // Nothing can be steered but the recording.
@@ -355,7 +249,7 @@ fn launched_nodes_are_seen_and_stopped() {
 fn inside_launched() {
     let folder = tempfile::tempdir().unwrap();
     let words = ["launch", "namespace:=axis_1", "--view-port", "0"];
-    let launched = Live::start_command(folder.path(), &words);
+    let launched = Viewed::start(folder.path(), &words);
     let mut tab = page(&launched);
     rig_is(&mut tab, "active");
     tab.until("parseInt(document.getElementById('stribeck-said').textContent) > 500");

@@ -82,9 +82,11 @@ export class Parameters {
     const open = new Set(
       [...place.querySelectorAll("details[open]")].map((one) => one.getAttribute("data-node")),
     );
+    const first = !place.firstElementChild;
     place.replaceChildren();
     this.rows.clear();
-    for (const node of this.nodes) {
+    const order = [...this.nodes].sort((one, other) => rank(one.node) - rank(other.node));
+    for (const node of order) {
       const list = make("div", { class: "rows" });
       for (const one of node.parameters) {
         const row = this.row(node.node, one);
@@ -93,7 +95,7 @@ export class Parameters {
       }
       const details = make("details", { "data-node": node.node },
         make("summary", {}, node.node.replace(/^\//, "")), list);
-      details.open = open.has(node.node);
+      details.open = open.has(node.node) || (first && rank(node.node) === 0);
       place.append(details);
     }
   }
@@ -236,6 +238,11 @@ export class Parameters {
     this.shape = "";
     if (this.nodes.length) this.take({ nodes: this.nodes });
   }
+}
+
+/** The reference is what is changed most. */
+function rank(node: string): number {
+  return node.endsWith("/reference") ? 0 : 1;
 }
 
 function plain(one: Parameter): boolean {

@@ -38,13 +38,15 @@ export class Runs {
     const said = by("runs-said");
     try {
       const answer = await this.client().call(LIST, {});
+      const before = JSON.stringify([this.files, this.all]);
       this.all = answer["runs"] as Run[];
       const more = Number(answer["left_out"]);
       said.className = "said";
       write(said, this.all.length
         ? `${this.all.length} in ${answer["root"]}${more ? `, and ${more} older ones` : ""}`
         : `none in ${answer["root"]} yet`);
-      this.show();
+      // Rows that are there keep the focus.
+      if (JSON.stringify([this.files, this.all]) !== before) this.show();
     } catch (error) {
       said.className = "said bad";
       write(said, `the list did not come: ${(error as Error).message}`);

@@ -14,7 +14,7 @@ use serde_json::Value;
 use crate::tally::Tally;
 
 /// Test programs that drive a device in real time, speak DDS or time what others do.
-const IN_REAL_TIME: [&str; 35] = [
+const IN_REAL_TIME: [&str; 37] = [
     "answers",
     "apart",
     "bench_live",
@@ -49,6 +49,7 @@ const IN_REAL_TIME: [&str; 35] = [
     "stopping",
     "strangers",
     "view",
+    "view_work",
     "viewers",
     "python_package",
 ];

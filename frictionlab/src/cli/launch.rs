@@ -138,7 +138,7 @@ fn views(args: &ViewArgs, arguments: &LaunchArguments) -> anyhow::Result<Vec<Nod
         let ours = Arguments::parse(given)?.or_enclave("/view");
         let join = move || Participant::join_with(&discovery, ours.clone());
         let participant = join()?;
-        let shown = Shown { heard: Heard::Network, experiments: true };
+        let shown = Shown { heard: Heard::Network, experiments: true, reference: false };
         // The axis behind the first has the port behind it.
         let port = options.port.map(|port| port.saturating_add(at as u16));
         let options = ViewOptions { port, ..options.clone() };

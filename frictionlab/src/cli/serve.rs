@@ -140,7 +140,7 @@ fn serve(
                 Arguments::default().or_enclave("/experiment_runner"),
             )
         };
-        let shown = Shown { heard: Heard::Network, experiments: true };
+        let shown = Shown { heard: Heard::Network, experiments: true, reference: false };
         let shelf = Shelf::new(args.view.runs(&args.runs));
         NodesView::open(&options, &participant, (shown, shelf), Box::new(join))
     });

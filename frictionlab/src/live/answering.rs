@@ -13,12 +13,14 @@ use friction_observer::{Estimate, Source};
 use rig_driver::node::{BegunCycle, EndedCycle, InCycle};
 use rig_driver::safety::{Fault, State};
 use rig_driver::{Measurement, RigError};
+use ros_node::queue::Receiver;
 use ros_node::queue::Sender;
 use rtrb::Producer;
 
 use experiment_runner::cycle::CycleSample;
 use experiment_runner::messages::Spoken;
-use experiment_runner::waveform::Waveform;
+
+use super::shape::{Course, Shape};
 
 /// What stands where the observer has said nothing yet; it is not written.
 const NO_ESTIMATE: Estimate = Estimate {
@@ -68,7 +70,9 @@ pub(super) struct InProcess {
     pub(super) estimation: Estimation,
     pub(super) control: Control,
     /// Where the axis should be; none if `/reference` says it.
-    pub(super) waveform: Option<Waveform>,
+    pub(super) course: Option<Course>,
+    /// What it becomes.
+    pub(super) shapes: Option<Receiver<Shape>>,
     /// How many cycles there are to be; `None` until stopped.
     pub(super) cycles: Option<u64>,
     pub(super) to_observer: Sender<Estimated>,
@@ -113,9 +117,14 @@ impl InCycle for InProcess {
             memory.friction = Friction::default();
         }
         let position = measurement.encoder_position;
-        let reference = match &self.waveform {
-            Some(waveform) => {
-                waveform.at(memory.origin.map_or(0.0, |origin| measurement.time - origin))
+        if let Some((course, shapes)) = self.course.as_mut().zip(self.shapes.as_mut()) {
+            while let Some(shape) = shapes.take() {
+                course.change(shape);
+            }
+        }
+        let reference = match &mut self.course {
+            Some(course) => {
+                course.at(memory.origin.map_or(0.0, |origin| measurement.time - origin))
             }
             None if self.control.runs() => self.control.next_reference(position),
             None => Reference { position, ..Reference::default() },
@@ -141,7 +150,7 @@ impl InCycle for InProcess {
         let decided = self.control.step(&joint, &reference, &memory.friction);
         let command = decided.map_or_else(Command::default, |decided| decided.command);
         let spoken = Spoken {
-            reference: self.waveform.is_some() || decided.is_some(),
+            reference: self.course.is_some() || decided.is_some(),
             estimate: estimated.is_some(),
             command: decided.is_some(),
         };

@@ -15,8 +15,10 @@ pub mod of_files;
 mod period_errors;
 mod publishing;
 mod recording;
+mod reference;
 mod report;
 mod settings;
+mod shape;
 
 use std::{
     collections::BTreeMap,
@@ -48,6 +50,8 @@ use answering::{Ending, InProcess, Memory};
 use period_errors::PeriodErrors;
 use publishing::{Nodes, RunnerSide};
 use recording::Recorded;
+use reference::ReferenceNode;
+use shape::Course;
 
 use crate::viewing::{Heard, NodesView, Shelf, Shown};
 
@@ -173,19 +177,32 @@ pub fn run(
             let arguments = arguments.clone();
             let join =
                 move || Participant::join_with(&discovery, arguments.clone().or_enclave("/live"));
-            let shown = Shown { heard: Heard::Inside, experiments: options.serve.is_some() };
+            let shown = Shown {
+                heard: Heard::Inside,
+                experiments: options.serve.is_some(),
+                reference: options.reference.is_some() && participant.enclave().is_none(),
+            };
             let shelf = Shelf::new(&options.view_runs);
             NodesView::open(view, &participant, (shown, shelf), Box::new(join))
         })
         .transpose()?;
     let bag = options.bag()?;
 
+    let begun = options.reference.as_ref().map(reference::shape);
+    // The permissions of a secured network name no such node.
+    let changed = begun.filter(|_| participant.enclave().is_none());
+    let changed = changed
+        .map(|begun| ReferenceNode::new(&participant, begun, options.limits.velocity))
+        .transpose()?;
+    let (reference_node, shapes) = changed.unzip();
+
     let (to_recorder, for_recorder) = rtrb::RingBuffer::new(RECORDER_QUEUE);
     let ending = Arc::new(Ending::default());
     let in_process = InProcess {
         estimation: estimating.estimation,
         control: controlling.control,
-        waveform: options.reference,
+        course: begun.map(Course::new),
+        shapes,
         cycles: options.duration.map(|duration| (duration / period).round() as u64),
         to_observer: estimating.out,
         to_controller: controlling.out,
@@ -239,6 +256,7 @@ pub fn run(
     let overruns = nodes.rig.overruns();
     let published = nodes.leave();
     drop(view);
+    drop(reference_node);
     // Its queue ended with the rig's node.
     let kept = recorder.join().map_err(|_| LiveError::Panicked { thread: "recorder" });
     if matches!(deaf, Some(Lost::Stuck(_))) {

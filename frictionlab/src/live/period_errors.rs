@@ -21,6 +21,8 @@ pub(super) struct PeriodErrorSummary {
     pub(super) p99_us: f64,
     pub(super) p999_us: f64,
     pub(super) max_us: f64,
+    /// Cycles that began a whole period late, or later.
+    pub(super) late: usize,
     /// What the system said about the control thread's priority.
     pub(super) priority: String,
 }
@@ -49,6 +51,7 @@ impl PeriodErrors {
             p99_us: at(0.99),
             p999_us: at(0.999),
             max_us: at(1.0),
+            late: all.len() - all.partition_point(|error| *error < self.nominal_ns),
             priority,
         }
     }
@@ -75,6 +78,11 @@ mod tests {
         let found =
             [summary.p50_us, summary.p90_us, summary.p99_us, summary.p999_us, summary.max_us];
         assert_eq!(found, [50.0, 90.0, 99.0, 100.0, 100.0]);
+        assert_eq!(summary.late, 0);
+        let mut late = PeriodErrors::new(1e-3);
+        // A cycle comes early by as much as the one before it was late.
+        [1_999_999, 2_000_000, 3_000_000, 1].into_iter().for_each(|period| late.note(period));
+        assert_eq!(late.summary(String::new()).late, 2);
         assert_eq!(PeriodErrors::new(1e-3).summary(String::new()).p99_us, 0.0);
     }
 }

@@ -33,6 +33,8 @@ pub struct Shown {
     pub heard: Heard,
     /// `/experiment_runner` takes requests.
     pub experiments: bool,
+    /// `/reference` has the parameters of the reference.
+    pub reference: bool,
 }
 
 /// A view with the node through which it asks, `/view`. Dropped, it ends.
@@ -91,7 +93,8 @@ impl NodesView {
         let node = Arc::new(participant.node("view")?);
         Parameters::usual(&node)?;
         channels::open(participant, &node, &hub, shown.heard)?;
-        let names = ["rig_driver", "friction_observer", "controller"];
+        let mut names = vec!["rig_driver", "friction_observer", "controller"];
+        names.extend(shown.reference.then_some("reference"));
         let settings = Arc::new(Settings::new(&node, &names, &hub, shown.heard)?);
         let (poke, poked) = channel();
         let asking = Asking {

@@ -42,7 +42,7 @@ pub(super) fn run(period: Duration, cycles: u64) -> PeriodErrors {
         }
         deadline += period;
     }
-    PeriodErrors::of(errors, realtime)
+    PeriodErrors::of(errors, period, realtime)
 }
 
 fn now() -> u64 {

@@ -5,6 +5,9 @@
 //! does nothing but sleep to its next deadline by the same call, in the same scheduling class. What
 //! counts is the 99th percentile of |period - 1 ms| of each block, and of the blocks the median of
 //! the ratios of neighbours: what else the machine does strikes both.
+//!
+//! With `--viewers N` a third loop runs in each block: the same `live` with a view and so many
+//! viewers, of which every third stops reading. It is held against the one without.
 
 #![expect(
     rustdoc::broken_intra_doc_links,
@@ -13,6 +16,7 @@
 
 mod bare;
 mod errors;
+mod viewers;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -44,6 +48,12 @@ pub struct BenchLive {
     /// Print the table, whatever the ratio.
     #[arg(long)]
     report_only: bool,
+    /// Hold `live` with so many viewers against `live` without, too; every third stops reading.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=16))]
+    viewers: u32,
+    /// One block with viewers, here: how this program calls itself in the namespace.
+    #[arg(long, value_name = "TIMING", hide = true)]
+    watched: Option<PathBuf>,
     /// A built `frictionlab`; built anew in the release profile if left out.
     #[arg(long, value_name = "PROGRAM")]
     program: Option<PathBuf>,
@@ -60,6 +70,9 @@ impl BenchLive {
             Some(program) => program.clone(),
             None => build()?,
         };
+        if let Some(timing) = &self.watched {
+            return viewers::watch(self.live_command(Command::new(&program), timing), self.viewers);
+        }
         let namespace = namespace();
         if namespace.is_none() {
             writeln!(
@@ -68,19 +81,26 @@ impl BenchLive {
             )?;
         }
         let mut out = std::io::stdout().lock();
-        writeln!(
-            out,
-            "block  live p50  p99 [us]   bare p50  p99 [us]  ratio of p99\n------------------------------------------------------------"
-        )?;
-        let mut ratios = Vec::new();
+        let watched = self.viewers > 0;
+        let more = if watched {
+            "   late   viewed p50  p99 [us]   late  ratio of p99  late cycles"
+        } else {
+            ""
+        };
+        let head = format!("block  live p50  p99 [us]   bare p50  p99 [us]  ratio of p99{more}");
+        writeln!(out, "{head}\n{}", "-".repeat(head.len()))?;
+        let (mut ratios, mut viewed) = (Vec::new(), Vec::new());
         for block in 0..self.blocks {
             // Who goes first changes, so that neither always finds the warmer machine.
-            let (live, bare) = if block % 2 == 0 {
-                let live = self.live(&program, namespace)?;
-                (live, self.bare()?)
+            let with_viewers = || watched.then(|| self.live(&program, namespace, true)).transpose();
+            let (live, bare, with) = if block % 2 == 0 {
+                let live = self.live(&program, namespace, false)?;
+                let with = with_viewers()?;
+                (live, self.bare()?, with)
             } else {
                 let bare = self.bare()?;
-                (self.live(&program, namespace)?, bare)
+                let with = with_viewers()?;
+                (self.live(&program, namespace, false)?, bare, with)
             };
             ensure!(
                 live.realtime == bare.realtime,
@@ -89,9 +109,21 @@ impl BenchLive {
                 bare.realtime
             );
             let ratio = live.p99_us / bare.p99_us.max(0.1);
+            let more = with.map_or_else(String::new, |with| {
+                let of_p99 = with.p99_us / live.p99_us.max(0.1);
+                viewed.push((of_p99, live.late, with.late));
+                format!(
+                    "  {:>5}  {:>10.1}  {:>8.1}  {:>5}  {of_p99:>12.2}  {:>11}",
+                    live.late,
+                    with.p50_us,
+                    with.p99_us,
+                    with.late,
+                    format!("{:+}", with.late as i64 - live.late as i64)
+                )
+            });
             writeln!(
                 out,
-                "{:>5}  {:>8.1}  {:>8.1}   {:>8.1}  {:>8.1}  {ratio:>12.2}",
+                "{:>5}  {:>8.1}  {:>8.1}   {:>8.1}  {:>8.1}  {ratio:>12.2}{more}",
                 block + 1,
                 live.p50_us,
                 live.p99_us,
@@ -109,6 +141,18 @@ impl BenchLive {
         }
         let median = quantile(&sorted(ratios), 0.5).unwrap_or(f64::NAN);
         writeln!(out, "median ratio of the p99 period errors: {median:.2} (bar {:.2})", self.bar)?;
+        if watched {
+            let ratios = sorted(viewed.iter().map(|(ratio, ..)| *ratio));
+            let late = |of: fn(&(f64, u64, u64)) -> u64| viewed.iter().map(of).sum::<u64>();
+            writeln!(
+                out,
+                "with {} viewers: median ratio of the p99 period errors {:.2}, late cycles {} with and {} without",
+                self.viewers,
+                quantile(&ratios, 0.5).unwrap_or(f64::NAN),
+                late(|(_, _, with)| *with),
+                late(|(_, without, _)| *without)
+            )?;
+        }
         ensure!(
             self.report_only || median <= self.bar,
             "the median ratio {median:.2} is above {:.2}",
@@ -117,29 +161,34 @@ impl BenchLive {
         Ok(())
     }
 
-    /// A block of `frictionlab live`.
-    fn live(&self, program: &Path, namespace: Option<&[&str]>) -> Result<PeriodErrors> {
+    /// A block of `frictionlab live`, with viewers or without.
+    fn live(
+        &self,
+        program: &Path,
+        namespace: Option<&[&str]>,
+        viewers: bool,
+    ) -> Result<PeriodErrors> {
         let folder = tempfile::tempdir().context("making a folder for the bag")?;
         let timing = folder.path().join("timing.json");
+        let this = std::env::current_exe().context("a running program knows its own file")?;
+        let started = if viewers { &this } else { program };
         let mut command = match namespace {
             Some(flags) => {
                 let mut command = Command::new("unshare");
-                command.args(flags).args(["bash", "-c", LOOPBACK_ONLY, "--"]).arg(program);
+                command.args(flags).args(["bash", "-c", LOOPBACK_ONLY, "--"]).arg(started);
                 command
             }
-            None => Command::new(program),
+            None => Command::new(started),
         };
-        let output = command
-            .args(["live", "--quiet", "--amplitude", "1.5", "--frequency", "3", "--duration"])
-            .arg(self.seconds.to_string())
-            .arg("--out")
-            .arg(folder.path().join("run"))
-            .arg("--timing")
-            .arg(&timing)
-            .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-            .stdin(Stdio::null())
-            .output()
-            .with_context(|| format!("starting {}", program.display()))?;
+        if viewers {
+            command.args(["bench-live", "--program"]).arg(program).arg("--watched").arg(&timing);
+            command.arg(format!("--viewers={}", self.viewers));
+            command.arg(format!("--seconds={}", self.seconds));
+        } else {
+            command = self.live_command(command, &timing);
+            command.arg("--quiet");
+        }
+        let output = command.output().with_context(|| format!("starting {}", started.display()))?;
         ensure!(
             output.status.success(),
             "frictionlab live: {}",
@@ -161,8 +210,21 @@ impl BenchLive {
         Ok(PeriodErrors {
             p50_us: number("p50_us")?,
             p99_us: number("p99_us")?,
+            late: found["late"].as_u64().context("no late cycles in the timing")?,
             realtime: priority.contains("SCHED_FIFO, priority"),
         })
+    }
+
+    /// The options of a block; `--quiet`, where nobody looks for the view.
+    fn live_command(&self, mut command: Command, timing: &Path) -> Command {
+        command.args(["live", "--amplitude", "1.5", "--frequency", "3", "--duration"]);
+        command.arg(self.seconds.to_string()).arg("--timing").arg(timing);
+        command.arg("--out").arg(timing.with_file_name("run"));
+        if self.watched.is_some() {
+            command.args(["--view-port", "0"]);
+        }
+        command.env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST").stdin(Stdio::null());
+        command
     }
 
     fn bare(&self) -> Result<PeriodErrors> {
