@@ -111,9 +111,7 @@ def path(file: str | os.PathLike[str]) -> str:
         raise BadInput(f"expected a file, a DataFrame or arrays by name, but got {type(file).__name__}")
     found = os.fspath(file)
     if isinstance(found, str) and "://" in found:
-        raise BadInput(
-            f"expected a file on this machine, but got the address {found}; fetch it, or use frictionlab.fleet, which reads addresses"
-        )
+        raise BadInput(f"expected a file on this machine, but got the address {found}; frictionlab.fleet reads addresses")
     return str(Path(found)) if found else found
 
 

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from .. import __version__
 from .dataset import FORMAT, Dataset, described, files_for, place, rows_of
+from .engines import Engine
 from .engines import engine as engine_of
 from .fleet import Fleet
 from .progress import Count
@@ -22,7 +23,7 @@ def run(
     out: str | os.PathLike[str],
     *,
     names: str | None = None,
-    engine: str = "local",
+    engine: str | Engine = "local",
     workers: int | None = None,
     ray_address: str | None = None,
     storage: Mapping[str, Any] | None = None,
@@ -39,7 +40,8 @@ def run(
     `names` reads these out of addresses (see `recordings`). Every other keyword is one of `identify`, as
     ``model="stribeck"``; all joints of a recording are identified unless `joint` names some.
 
-    `engine` is ``"local"``, a process a core, or ``"ray"``, a Ray cluster; the results are the same to the last bit.
+    `engine` is ``"local"``, a process a core, ``"ray"``, a Ray cluster, or one of your own (see `engines.Engine`); the
+    results are the same to the last bit.
     What was identified before in the same way is not done again: by size and time of change without reading it,
     with `read_again` by its content. A run that was stopped goes on so. A recording that cannot be used has a row
     that says why, and stops nothing.
@@ -50,7 +52,7 @@ def run(
     with dataset.alone():
         run = _Run(dataset, settings, found, read_again)
         count = Count(len(found))
-        work = engine_of(engine, settings, workers, ray_address)
+        work = engine_of(engine, settings, workers, ray_address) if isinstance(engine, str) else engine
         outcomes = work.outcomes(run.tasks(count))
         try:
             for outcome in outcomes:

@@ -66,8 +66,8 @@ def cluster():
     from ray.cluster_utils import Cluster
 
     memory = {"object_store_memory": 80_000_000}
-    # A busy machine is late with its heartbeats: no node but the killed one is to count as lost.
-    patient = {"health_check_failure_threshold": 10, "health_check_timeout_ms": 30_000}
+    # A busy machine is late with its heartbeats, and workers are polite: no node but the killed one is to count as lost.
+    patient = {"health_check_failure_threshold": 10, "health_check_timeout_ms": 30_000, "worker_niceness": 0}
     made = Cluster(
         initialize_head=True,
         connect=False,

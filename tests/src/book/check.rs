@@ -97,7 +97,8 @@ pub fn check(words: &[String]) -> Result<(), String> {
         }
         ["cargo", "build" | "test" | "run", rest @ ..] => cargo(rest),
         [
-            name @ ("friction-plot" | "friction-table" | "friction-live" | "friction-run"),
+            name @ ("friction-plot" | "friction-table" | "friction-live" | "friction-run"
+            | "friction-fleet"),
             rest @ ..,
         ] => python(name, rest),
         ["ros2", rest @ ..] => ros2(rest),
@@ -174,12 +175,13 @@ fn cargo(words: &[&str]) -> Result<(), String> {
 /// Options of the Python commands stand in their sources.
 fn python(name: &str, words: &[&str]) -> Result<(), String> {
     let module = match name {
-        "friction-plot" => "figures",
-        "friction-table" => "table",
-        "friction-live" => "live",
-        _ => "experiment",
+        "friction-plot" => "friction_analysis/figures.py",
+        "friction-table" => "friction_analysis/table.py",
+        "friction-live" => "friction_analysis/live.py",
+        "friction-fleet" => "frictionlab/fleet/cli.py",
+        _ => "friction_analysis/experiment.py",
     };
-    let file = Path::new("python/friction_analysis").join(module).with_extension("py");
+    let file = Path::new("python").join(module);
     let source = fs::read_to_string(checkout().join(file)).map_err(|error| error.to_string())?;
     let unknown = words
         .iter()

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import hashlib
 import resource
 import sys
 import tempfile
 import time
+from collections.abc import Generator, Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..run import run
+from ..work import Outcome, Task
 from .made import recording
 
 
@@ -43,8 +46,44 @@ def timed(engine: str, workers: int, count: int, **keywords: Any) -> Timed:
     # Until every process has answered twice, some still start.
     first = min(4 * workers, len(seen) - 1)
     seconds = (seen[-1][0] - seen[first][0]) * count / (seen[-1][1] - seen[first][1])
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (1e6 if sys.platform == "darwin" else 1e3)
-    return Timed(engine, workers, count, seconds, peak)
+    return Timed(engine, workers, count, seconds, _peak_mb())
+
+
+def _peak_mb() -> float:
+    """Resident memory of this process at most."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (1e6 if sys.platform == "darwin" else 1e3)
+
+
+class _Nothing:
+    """Gives each recording the same rows at once: what is left is the work of the driver."""
+
+    workers = 1
+
+    def outcomes(self, tasks: Iterable[Task]) -> Generator[Outcome, None, None]:
+        for task in tasks:
+            digest = hashlib.sha256(task.recording.uri.encode()).hexdigest()
+            row = {"model": "made", "chosen": True, "value": 1.0, "standard_error": 0.1, "unit": "N m", "identified": True}
+            rows = [row | {"parameter": name} for name in ("f_c", "f_s", "v_s", "f_v")]
+            yield Outcome(task.recording.uri, digest, 2000, rows=rows)
+
+
+def driver(count: int) -> str:
+    """What the driver itself needs: time and memory for so many recordings of four parameters."""
+    import pandas as pd
+
+    machines = [f"arm{at % 500}" for at in range(count)]
+    table = pd.DataFrame({"uri": [f"s3://made/{at:08d}.csv" for at in range(count)], "machine": machines})
+    times: list[float] = []
+    with tempfile.TemporaryDirectory(prefix="friction-fleet-") as name:
+        before, began = _peak_mb(), time.monotonic()
+        run(table, Path(name) / "out", engine=_Nothing(), on_progress=lambda _: times.append(time.monotonic()))
+        through, whole = times[-1] - began, time.monotonic() - began
+        size = sum(file.stat().st_size for file in Path(name).rglob("*.parquet")) / 1e6
+    lines = ["| recordings | ms a recording | with the page | memory of the driver | of that for recordings | dataset |"]
+    lines += ["|---|---|---|---|---|---|"]
+    each, page, peak = 1000.0 * through / count, 1000.0 * whole / count, _peak_mb()
+    lines.append(f"| {count} | {each:.3f} | {page:.3f} | {peak:.0f} MB | {peak - before:.0f} MB | {size:.1f} MB |")
+    return "\n".join(lines)
 
 
 def table(engines: list[str], count: int, **keywords: Any) -> str:
