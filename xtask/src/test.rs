@@ -227,6 +227,7 @@ fn prepare_python(full: bool) {
                 (environment.rclpy, "rclpy"),
                 (environment.cyclone, "Cyclone DDS"),
                 (environment.mujoco, "MuJoCo"),
+                (environment.ray, "Ray"),
                 (environment.colcon, "colcon"),
             ];
             for (half, what) in halves {

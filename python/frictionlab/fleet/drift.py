@@ -5,8 +5,9 @@ Each estimate is compared with what the ones before it predict: the recursive re
 temperature) as regressors. Divided by the scatter of the residuals before, and brought from Student's to the normal
 distribution (the self-starting CUSUM of Hawkins 1987, The Statistician 36, 299), they are independent standard
 normal numbers as long as nothing changes, whatever the mean, the scatter and the influence of the conditions are:
-no joint needs a history to be judged. Their two-sided CUSUM raises the alarm at a limit that chance reaches in the
-stated share of unchanged joints over the whole series; the limit is found by simulation.
+no joint needs a history to be judged. None counts for more than three standard deviations, so that an outlier alone
+is no change. Their two-sided CUSUM raises the alarm at a limit that chance reaches in the stated share of unchanged
+joints over the whole series; the limit is found by simulation.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ from .needs import needed
 
 # Shift that the CUSUM is best at is twice this [standard deviations].
 REFERENCE = 0.5
+# What one estimate says at most [standard deviations]: a single one that is far off is an outlier and no change.
+MOST = 3.0
 # Simulated series without a change.
 SERIES = 40_000
 # Estimates that a series must have to be judged, beyond one for each condition.
@@ -131,7 +134,7 @@ def _standardised(y: Floats, design: Floats, deviations: Floats) -> tuple[Floats
     # A series without any scatter is as it should be, or far from it.
     t = np.divide(r[1:], scatter, out=np.where(r[1:] == 0.0, 0.0, np.sign(r[1:]) * 1e9), where=scatter > 0.0)
     half = stats.norm.isf(np.maximum(stats.t.sf(np.abs(t), freedom), 1e-15))
-    return np.sign(t) * half, places[1]
+    return np.sign(t) * np.minimum(half, MOST), places[1]
 
 
 def _cusum(steps: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], list[int]]:
@@ -155,7 +158,7 @@ def _by_chance(length: int) -> Floats:
     random = np.random.default_rng(length)
     sums, largest = np.zeros((2, SERIES)), np.zeros(SERIES)
     for _ in range(length):
-        step = random.standard_normal(SERIES)
+        step = np.clip(random.standard_normal(SERIES), -MOST, MOST)
         sums = np.maximum(sums + np.stack([step, -step]) - REFERENCE, 0.0)
         largest = np.maximum(largest, sums.max(axis=0))
     return largest

@@ -55,8 +55,9 @@ class Fleet:
         rows = rows.merge(often[["joint", "model"]], on=["joint", "model"])
         # A parameter that most recordings tell is taken from all that give it an error, as vague as it may be: to
         # take only what is sure of itself would favour large values.
-        told = rows.groupby(["joint", "parameter"])["identified"].transform(lambda of: (of == True).mean())  # noqa: E712
-        rows = rows[(told > 0.5) & (rows["standard_error"] > 0.0)]
+        rows["identified"] = rows["identified"] == True  # noqa: E712
+        told = rows.groupby(["joint", "parameter"])["identified"].transform("sum")
+        rows = rows[(told > 0.5 * rows.groupby("joint")["uri"].transform("nunique")) & (rows["standard_error"] > 0.0)]
         order = "time" if rows["time"].notna().any() else "age_h"
         return rows.sort_values(["machine", "joint", "parameter", order, "uri"]).reset_index(drop=True)
 

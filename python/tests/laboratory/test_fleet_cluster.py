@@ -145,7 +145,8 @@ def test_a_store_that_refuses_is_told(store, tmp_path):
     with pytest.raises(BadInput, match="cannot be listed"):
         fleet.run("s3://fleet", tmp_path / "out", storage=closed)
     # From here on the server looks at credentials: this is the last test.
-    urllib.request.urlopen(urllib.request.Request(f"{store['endpoint_url']}/moto-api/reset-auth", data=b"0"))
+    address = f"{store['endpoint_url']}/moto-api/reset-auth"
+    urllib.request.urlopen(urllib.request.Request(address, data=b"0", headers={"Content-Type": "text/plain"}))
     with pytest.raises(BadInput, match="cannot be listed"):
         fleet.run("s3://fleet/arm1", tmp_path / "out", storage=store)
     asked = pd.DataFrame({"uri": ["s3://fleet/arm1/1700003600.csv"], "stamp": ["unknown"]})

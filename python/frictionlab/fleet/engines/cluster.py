@@ -57,7 +57,9 @@ class Cluster:
 
         try:
             while True:
-                while len(running) < 2 * self.workers and (task := next(waiting, None)) is not None:
+                # One waits for each that runs, unless it was said how many may.
+                room = self.workers if self._given else 2 * self.workers
+                while len(running) < room and (task := next(waiting, None)) is not None:
                     start(task, 0)
                 if not running:
                     return
