@@ -65,6 +65,7 @@ const RAY: &[&str] = &[
     "ray>=2.50,<3",
     "s3fs>=2024.2",
     "moto[server]>=5,<6",
+    "rosbags==0.11.9",
     "pyarrow>=15",
     "scipy>=1.11,<2",
     "pandas>=2.2,<4",
