@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from cyclone_ros import *  # noqa: F403
-from processes import Processes
+from processes import Processes, there
 
 DOMAIN = int(os.environ.get("ROS_DOMAIN_ID", "0"))
 OBSERVER, RIG = "/friction_observer", "/rig_driver"
@@ -116,7 +116,7 @@ def stop(ros) -> dict:
 
 def action(ros):
     runs = Path(os.environ["ROS_LOG_DIR"]) / "runs"
-    serving = subprocess.Popen([sys.argv[2], "serve", "--runs", str(runs)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    serving = subprocess.Popen([*there(), sys.argv[2], "serve", "--runs", str(runs)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     try:
         base = "/experiment_runner/run_experiment/_action/"
         sending = ros.client(

@@ -14,7 +14,7 @@ use serde_json::Value;
 use crate::tally::Tally;
 
 /// Test programs that drive a device in real time, speak DDS or time what others do.
-const IN_REAL_TIME: [&str; 37] = [
+const IN_REAL_TIME: [&str; 38] = [
     "answers",
     "apart",
     "bench_live",
@@ -34,6 +34,7 @@ const IN_REAL_TIME: [&str; 37] = [
     "killed_drivers",
     "killed_processes",
     "live_serial",
+    "matrix",
     "paused",
     "quanser",
     "rclpy",
