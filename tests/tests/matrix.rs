@@ -28,8 +28,8 @@ refused; the observer deactivated and activated; a goal accepted, with feedback 
 ";
 
 const FEET: &str = "
-* **Lyrical**: there are no wheels of it on PyPI, and its rclpy was not at hand. `ros2-client` 0.12.1
-  has a feature `lyrical`, which changes only the name that it compares with `$ROS_DISTRO`
+* **Lyrical**: there are no wheels of it on PyPI, and its rclpy was not at hand. `ros2-client`
+  0.12.1 has a feature `lyrical`, which changes only the name that it compares with `$ROS_DISTRO`
   (`src/distributions.rs`): over DDS it sends what it sends for Kilted.
 * **Cyclone DDS** is `cyclonedds` 11.0.1 of PyPI with what `rmw_cyclonedds` puts on it, the same for
   every distribution. `rmw_cyclonedds_cpp` itself was not at hand.
