@@ -188,6 +188,55 @@ fn has_ros2() -> bool {
     Command::new("ros2").arg("--help").output().is_ok_and(|said| said.status.success())
 }
 
+/// A program that finds the installed C library in each way that its README names.
+const FINDS: &str = r#"
+cmake_minimum_required(VERSION 3.20)
+project(finds C)
+find_package(friction 0.1 REQUIRED)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(found REQUIRED IMPORTED_TARGET friction)
+foreach(way friction::friction friction::friction_static PkgConfig::found)
+  string(REGEX REPLACE ".*::" "" name ${way})
+  add_executable(by_${name} "${SOURCE}")
+  target_link_libraries(by_${name} PRIVATE ${way} m)
+endforeach()
+"#;
+
+#[tests::needs(rclpy, colcon, long_tier)]
+#[test]
+fn the_c_library_is_installed_and_found() {
+    let workspace = Workspace::with(&checkout().join("ros"));
+    let at = |name: &str| workspace.path().join(name).display().to_string();
+    let cmake = |arguments: &[&str]| {
+        let mut command = workspace.command("cmake");
+        command.args(arguments).env("PKG_CONFIG_PATH", at("installed/lib/pkgconfig"));
+        said(&mut command, &format!("cmake {arguments:?}"))
+    };
+    let library = checkout().join("friction_c");
+    let source = format!("-DSOURCE={}", library.join("examples/step.c").display());
+    // What cargo built is kept for the next time.
+    let kept = format!("-DFRICTION_CARGO_TARGET={}", checkout().join("target/colcon").display());
+    let installed = format!("-DCMAKE_INSTALL_PREFIX={}", at("installed"));
+    let library = library.display().to_string();
+    let options = [&kept, &installed, "-DCMAKE_INSTALL_LIBDIR=lib"];
+    cmake(&[&["-S", &library, "-B", "library"], &options[..]].concat());
+    cmake(&["--build", "library"]);
+    cmake(&["--install", "library"]);
+    fs::create_dir(workspace.path().join("finds")).expect("a folder");
+    fs::write(workspace.path().join("finds/CMakeLists.txt"), FINDS).expect("a file");
+    let found = format!("-DCMAKE_PREFIX_PATH={}", at("installed"));
+    cmake(&["-S", "finds", "-B", "built", &found, &source]);
+    cmake(&["--build", "built"]);
+    let said_by = |name: &str| {
+        let mut program = workspace.command(&at(&format!("built/by_{name}")));
+        said(program.env("LD_LIBRARY_PATH", at("installed/lib")), name)
+    };
+    let expected = said_by("friction");
+    assert!(expected.starts_with("0.0 s"), "{expected}");
+    assert_eq!(said_by("friction_static"), expected);
+    assert_eq!(said_by("found"), expected);
+}
+
 /// The way of docs/tutorials/ros-workspace.md, from an empty folder, with the real cargo.
 #[tests::needs(rclpy, colcon, namespace, long_tier)]
 #[test]
