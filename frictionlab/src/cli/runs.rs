@@ -28,6 +28,9 @@ pub struct RunsArgs {
     /// Folder with the folders of runs.
     #[arg(value_name = "ROOT", default_value = "runs")]
     root: PathBuf,
+    /// Print nothing but errors.
+    #[arg(long)]
+    quiet: bool,
     #[command(flatten)]
     saying: Saying,
 }
@@ -63,6 +66,9 @@ struct CompareArgs {
     /// Write into a folder that is not empty, and replace files of the same names.
     #[arg(long, requires = "out")]
     force: bool,
+    /// Print nothing but errors.
+    #[arg(long)]
+    quiet: bool,
     #[command(flatten)]
     saying: Saying,
 }
@@ -85,7 +91,7 @@ pub fn execute(args: &RunsArgs) -> anyhow::Result<()> {
         "runs": found.runs,
         "others": found.others,
     });
-    args.saying.result(false, &document(&told)?, &listed(&found))
+    args.saying.result(args.quiet, &document(&told)?, &listed(&found))
 }
 
 fn beside(args: &CompareArgs) -> anyhow::Result<()> {
@@ -117,7 +123,7 @@ fn beside(args: &CompareArgs) -> anyhow::Result<()> {
         folder.write(&[("report.html", render_page(&page)), ("runs.json", told.clone())])?;
         text += &format!("\nReport  {}\n", folder.join("report.html").display());
     }
-    args.saying.result(false, &told, &text)
+    args.saying.result(args.quiet, &told, &text)
 }
 
 /// What `frictionlab compare` says of two identifications of friction; nothing of other runs.

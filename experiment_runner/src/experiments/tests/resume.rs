@@ -38,7 +38,7 @@ fn resumed(options: &RunOptions, folder: &Path, after: Option<usize>) -> Outcome
 
 /// The data of a report's figures.
 fn drawn(report: &str) -> impl Iterator<Item = &str> {
-    let data = report.split("<script type=\"application/json\"").skip(1);
+    let data = report.split("<script type=\"application/json\" id=\"data-").skip(1);
     data.filter_map(|rest| rest.split("</script>").next())
 }
 
