@@ -27,6 +27,8 @@ const BESIDE: [&str; 12] = [
 ];
 /// Texts by which the members of a list are known.
 const NAMES: [&str; 6] = ["name", "arm", "model", "task", "experiment", "file"];
+/// Parts of what was found that say it once more: each repetition, ends of intervals by number.
+const AGAIN: [&str; 3] = ["runs", "intervals", "repetition"];
 /// Longest list whose members are looked at: longer ones are measured points.
 const LONGEST: usize = 60;
 /// Deepest place.
@@ -101,7 +103,9 @@ impl Contents {
                     self.parameters.insert(place, quantity);
                 } else if deep < DEEP {
                     for (name, part) in parts {
-                        self.result(format!("{place}.{name}"), part, deep + 1);
+                        if !AGAIN.contains(&name.as_str()) {
+                            self.result(format!("{place}.{name}"), part, deep + 1);
+                        }
                     }
                 }
             }
@@ -122,12 +126,27 @@ impl Contents {
 
 /// The name of a member of a list, or its number from 1.
 fn named(part: &Value, at: usize) -> String {
-    let name = NAMES.iter().find_map(|name| part[*name].as_str());
+    let name = NAMES.iter().find_map(|name| words(&part[*name]));
     match (name, part["repetition"].as_u64()) {
-        (Some(name), None) => name.to_owned(),
+        (Some(name), None) => name,
         (Some(name), Some(repetition)) => format!("{name}.{}", repetition + 1),
         (None, _) => (at + 1).to_string(),
     }
+}
+
+/// A text; of an object or a list the texts in it, as of `{"model": ["feedback", "lugre"]}`.
+fn words(value: &Value) -> Option<String> {
+    match value {
+        Value::String(text) => Some(text.clone()),
+        Value::Object(parts) => joined(parts.values()),
+        Value::Array(list) => joined(list.iter()),
+        _ => None,
+    }
+}
+
+fn joined<'a>(parts: impl Iterator<Item = &'a Value>) -> Option<String> {
+    let words: Vec<String> = parts.filter_map(words).collect();
+    (!words.is_empty()).then(|| words.join(" "))
 }
 
 /// A number with an interval, in any of the forms in which documents have one.
@@ -197,7 +216,9 @@ mod tests {
     fn places_have_the_names_of_what_stands_there() {
         let document = json!({
             "options": { "seed": 1, "rates": [1.0, 2.0], "tasks": [{ "name": "slow", "period": 0.1 }] },
-            "rows": [{ "arm": "none", "mse": 1.0 }, { "arm": "lugre", "mse": 0.5, "repetition": 1 }],
+            "rows": [{ "arm": "none", "mse": 1.0 }, { "arm": "lugre", "mse": 0.5, "repetition": 1 },
+                { "arm": { "model": ["feedback", "lugre"] }, "mse": 0.5 }],
+            "runs": [{ "mse": 1.0 }],
             "points": [0.1, 0.2],
             "timing": { "wall_seconds": 3.0 },
         });
@@ -214,6 +235,6 @@ mod tests {
             ]
         );
         let figures: Vec<&str> = found.figures.keys().map(String::as_str).collect();
-        assert_eq!(figures, ["rows.lugre.2.mse", "rows.lugre.2.repetition", "rows.none.mse"]);
+        assert_eq!(figures, ["rows.feedback lugre.mse", "rows.lugre.2.mse", "rows.none.mse"]);
     }
 }

@@ -24,8 +24,8 @@ pub struct Remade {
     pub poorer: bool,
 }
 
-/// Settings that are shown without asking.
-const MOST_SETTINGS: usize = 400;
+/// Most settings that are shown: of more the document tells.
+const MOST_SETTINGS: usize = 60;
 
 impl Run {
     /// The page of the run in `folder`, made anew: of what its report keeps, with the looks of this
@@ -54,7 +54,7 @@ impl Run {
         }
         let mut blocks = vec![Block::Text(format!("{}: {}.", run.title(), run.said))];
         let contents = Contents::of(run.kind, &document);
-        blocks.extend(found(&contents));
+        blocks.extend(parameters(&contents));
         blocks.extend(steady(&document).map(Block::Figure));
         match run.bag.as_deref().map(recorded) {
             Some(Ok(of_bag)) => blocks.extend(of_bag),
@@ -62,7 +62,8 @@ impl Run {
             None if run.kind == Kind::Run => missing.push("the bag is not there".to_owned()),
             None => {}
         }
-        blocks.extend(settings(&contents));
+        blocks.extend(figures(&contents));
+        blocks.extend(settings(&contents, run.kind.document()));
         let said = missing.iter().map(|what| format!("Missing: {what}."));
         blocks.splice(1..1, said.map(Block::Note));
         let version = run.program_version.as_deref().unwrap_or("-");
@@ -95,8 +96,7 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// What was found.
-fn found(contents: &Contents) -> Vec<Block> {
+fn parameters(contents: &Contents) -> Vec<Block> {
     let mut blocks = Vec::new();
     if !contents.parameters.is_empty() {
         let number = |value: Option<f64>| {
@@ -115,6 +115,11 @@ fn found(contents: &Contents) -> Vec<Block> {
             highlight: None,
         }));
     }
+    blocks
+}
+
+fn figures(contents: &Contents) -> Vec<Block> {
+    let mut blocks = Vec::new();
     if !contents.figures.is_empty() {
         let rows = contents
             .figures
@@ -164,9 +169,14 @@ fn steady(document: &Value) -> Option<Figure> {
     })
 }
 
-fn settings(contents: &Contents) -> Vec<Block> {
-    if contents.settings.is_empty() || contents.settings.len() > MOST_SETTINGS {
-        return Vec::new();
+fn settings(contents: &Contents, document: &str) -> Vec<Block> {
+    match contents.settings.len() {
+        0 => return Vec::new(),
+        1..=MOST_SETTINGS => {}
+        many => {
+            let said = format!("{many} settings are in {document}.");
+            return vec![Block::Heading("Settings".to_owned()), Block::Text(said)];
+        }
     }
     let rows = contents.settings.iter().map(|(place, value)| vec![place.clone(), value.clone()]);
     vec![

@@ -95,5 +95,6 @@ fn of_bag(bag: &Path) -> Result<Vec<Block>, String> {
     let columns = ColumnArgs::default().columns(Measured::Force, None);
     let seen = overview::look(bag, &columns, &choice).map_err(|error| error.to_string())?;
     let heading = Block::Heading("The recording".to_owned());
-    Ok([heading].into_iter().chain(page(&seen).blocks).collect())
+    let shown = page(&seen).blocks.into_iter().filter(|block| !matches!(block, Block::Heading(_)));
+    Ok([heading].into_iter().chain(shown).collect())
 }

@@ -16,5 +16,6 @@ mod manual;
 mod own_recordings;
 #[cfg(feature = "ros")]
 mod parameter_files;
+mod runs;
 mod simulate;
 mod words;
