@@ -142,6 +142,14 @@ mod tests {
     }
 
     #[test]
+    fn the_help_of_a_command_is_its_own_and_not_that_of_a_group_of_options() {
+        for (name, command) in all(&prepared(Cli::command()), "") {
+            let about = command.get_about().map(ToString::to_string).unwrap_or_default();
+            assert!(!about.is_empty() && !about.contains("ptions of"), "{name}: {about}");
+        }
+    }
+
+    #[test]
     fn the_help_names_every_command_once_in_a_group_and_on_one_line() {
         let mut command = prepared(Cli::command());
         command.build();

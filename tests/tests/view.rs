@@ -45,6 +45,19 @@ fn inside_seen_and_steered() {
     tab.click("#undo");
     tab.until(&format!("{} === 'reference_timeout is 0.5'", said("reference_timeout")));
 
+    // The reference: within its range, beyond it, another kind, and back.
+    set(&mut tab, "amplitude", "0.5");
+    tab.until(&format!("{} === 'amplitude is 0.5'", said("amplitude")));
+    set(&mut tab, "amplitude", "500");
+    tab.until(&format!("{}.startsWith('refused: ')", said("amplitude")));
+    set(&mut tab, "kind", "constant_velocity");
+    tab.until(&format!("{} === 'kind is constant_velocity'", said("kind")));
+    set(&mut tab, "offset", "1.25");
+    let response = "[...document.querySelectorAll('.plot')].map((one) => one.getAttribute('aria-label')).find((one) => one?.startsWith('Reference'))";
+    tab.until(&format!("{response}?.includes('reference 1.25 ')"));
+    tab.click("#undo");
+    tab.until(&format!("{response}?.includes('reference 0.00 ')"));
+
     // The emergency stop by its key, and the way back.
     tab.press("Escape");
     tab.until("document.getElementById('stop-said').textContent.startsWith('Emergency stop: the motor is at zero')");
@@ -262,5 +275,8 @@ fn inside_launched() {
     tab.until(&format!("{} === 'reference_timeout is 0.7'", said("reference_timeout")));
     tab.press("Escape");
     rig_is(&mut tab, "emergency stop");
+    // What another process logs, and what it says of its health.
+    tab.until("document.getElementById('log').textContent.includes('rig_driver')");
+    tab.until("document.getElementById('timing').textContent.includes('rig_driver')");
     launched.end();
 }

@@ -1,6 +1,6 @@
 //! Channels, and who listens to them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -32,7 +32,9 @@ struct State {
 #[derive(Debug)]
 struct Offered {
     channel: Channel,
-    last: Option<(u64, Bytes)>,
+    /// How many messages are kept for who comes late.
+    keep: usize,
+    kept: VecDeque<(u64, Bytes)>,
 }
 
 #[derive(Debug)]
@@ -56,9 +58,17 @@ impl Hub {
         let mut state = self.state();
         let id = ChannelId(u32::try_from(state.channels.len() + 1).unwrap_or(u32::MAX));
         let told = outgoing::advertise(&[(id, &channel)]);
-        state.channels.push(Offered { channel, last: None });
+        let keep = usize::from(channel.latched);
+        state.channels.push(Offered { channel, keep, kept: VecDeque::new() });
         state.viewers.values().for_each(|viewer| viewer.queue.answer(Out::Text(told.clone())));
         id
+    }
+
+    /// Who comes late gets the last so many messages of a channel, as of a log.
+    pub fn keep(&self, id: ChannelId, messages: usize) {
+        if let Some(offered) = self.state().channels.get_mut(id.0 as usize - 1) {
+            offered.keep = messages;
+        }
     }
 
     /// A message on a channel, with its time \[ns since the epoch\]. Never waits for a viewer; not
@@ -67,8 +77,10 @@ impl Hub {
         let mut state = self.state();
         let State { channels, viewers, .. } = &mut *state;
         let Some(offered) = channels.get_mut(id.0 as usize - 1) else { return };
-        if offered.channel.latched {
-            offered.last = Some((time, Bytes::copy_from_slice(message)));
+        if offered.keep > 0 {
+            offered.kept.push_back((time, Bytes::copy_from_slice(message)));
+            let old = offered.kept.len().saturating_sub(offered.keep);
+            offered.kept.drain(..old);
         }
         for viewer in viewers.values() {
             for (&number, _) in viewer.subscribed.iter().filter(|(_, of)| **of == id) {
@@ -164,8 +176,8 @@ impl Hub {
         if viewer.subscribed.insert(number, ChannelId(channel)).is_some() {
             return Err(format!("subscription {number} was there before; the later one counts"));
         }
-        if let Some((time, last)) = &offered.last {
-            viewer.queue.answer(Out::Binary(writing::message(number, *time, last)));
+        for (time, message) in &offered.kept {
+            viewer.queue.answer(Out::Binary(writing::message(number, *time, message)));
         }
         Ok(())
     }
@@ -199,6 +211,26 @@ impl Hub {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn late_comers_get_the_last_lines_of_a_log() {
+        let hub = Hub::default();
+        let log = Channel { latched: false, ..Channel::latched_json("/log", "Log") };
+        let log = hub.offer(log);
+        hub.publish(log, 1, b"lost");
+        hub.keep(log, 2);
+        for (time, line) in [(2, b"a"), (3, b"b"), (4, b"c")] {
+            hub.publish(log, time, line);
+        }
+        let queue = Arc::new(Queue::default());
+        let viewer = hub.enter(&queue);
+        queue.take();
+        hub.subscribe(viewer, 1, 1).unwrap();
+        for (time, line) in [(3, b"b"), (4, b"c")] {
+            assert_eq!(queue.take(), Some(Out::Binary(writing::message(1, time, line))));
+        }
+        assert_eq!(queue.take(), None);
+    }
 
     #[test]
     fn late_comers_get_the_last_message_of_a_latched_channel() {

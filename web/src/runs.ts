@@ -18,7 +18,7 @@ const LIST = "/view/list_runs";
 
 export class Runs {
   private all: Run[] = [];
-  private asking = false;
+  private asked: Promise<void> = Promise.resolve();
   /** Where files lie on the server. */
   files = "";
 
@@ -32,9 +32,13 @@ export class Runs {
   }
 
   /** Looks once more which there are. */
-  async list(): Promise<void> {
-    if (this.asking) return;
-    this.asking = true;
+  list(): Promise<void> {
+    // Whoever asks again wants to know of what is there by then.
+    this.asked = this.asked.then(() => this.ask());
+    return this.asked;
+  }
+
+  private async ask(): Promise<void> {
     const said = by("runs-said");
     try {
       const answer = await this.client().call(LIST, {});
@@ -51,7 +55,6 @@ export class Runs {
       said.className = "said bad";
       write(said, `the list did not come: ${(error as Error).message}`);
     }
-    this.asking = false;
   }
 
   /** Where the report of a folder is; none where it has none. */

@@ -9,7 +9,8 @@ use rig_setup::{Opened, RigSetupError, Session};
 
 use super::Axis;
 use super::repeats::Repeats;
-use crate::CommissionError;
+use super::shown::Shown;
+use crate::{CommissionError, Stage};
 
 impl Axis<'_> {
     /// A session of the steps by which signs are found, at most `volts`. Where the line fails they
@@ -48,10 +49,11 @@ impl Axis<'_> {
         opened.limits.motor =
             opened.limits.motor.map(|motor| MotorThermal { back_emf: f64::MIN_POSITIVE, ..motor });
         let stop = Arc::clone(&self.stop);
+        opened.rig = Box::new(Shown { rig: opened.rig, watch: self.watch() });
         let mut session = Session::new(opened, volts, &stop)?;
         session.warm(self.rise.get());
         let first = session.step(|_| 0.0)?.time;
-        let say = |text: &str| self.progress.stage(format!("meet: {text}"));
+        let say = |text: &str| self.say(Stage::Meet, text);
         let outcome = work(&mut session, &say);
         heard.set(session.heard());
         let last = session.step(|_| 0.0).map_or(first, |seen| seen.time);

@@ -5,6 +5,7 @@ mod known;
 mod meeting;
 mod opening;
 mod repeats;
+mod shown;
 mod turns;
 
 use std::cell::{Cell, RefCell};

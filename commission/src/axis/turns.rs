@@ -235,7 +235,7 @@ impl Axis<'_> {
     }
 
     /// What shows the cycles of a turn that begins now to whoever watches.
-    fn watch(&self) -> Watch {
+    pub(super) fn watch(&self) -> Watch {
         Watch { board: self.board().clone(), before: self.used() }
     }
 
@@ -248,13 +248,13 @@ impl Axis<'_> {
 }
 
 /// Shows the cycles of one turn to whoever watches.
-struct Watch {
+pub(super) struct Watch {
     board: Board,
     before: f64,
 }
 
 impl Watch {
-    fn saw(&self, seen: &Measurement, followed: Option<(f64, f64)>) {
+    pub(super) fn saw(&self, seen: &Measurement, followed: Option<(f64, f64)>) {
         self.board.cycle(Cycle { before: self.before, seen: *seen, followed });
     }
 }

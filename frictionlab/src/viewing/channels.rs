@@ -13,6 +13,9 @@ use view::{Channel, ChannelId, Hub};
 use super::clock::now_ns;
 use super::topics::channel;
 
+/// Lines of the log that who comes late gets.
+const LINES: usize = 100;
+
 /// Which nodes are heard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Heard {
@@ -43,27 +46,26 @@ pub(super) fn open(
     offers.offer(&topics::DIAGNOSTICS)?;
     let log =
         hub.offer(Channel { latched: false, ..Channel::latched_json("/rosout", "foxglove.Log") });
+    hub.keep(log, LINES);
     let known = offers.known;
-    match heard {
-        Heard::Inside => {
-            participant.listen_inside(listener(hub.clone(), known, log));
-        }
-        // Every node's lines come from there, those of this process too.
-        Heard::Network => {
-            let hub = hub.clone();
-            node.subscribe(&topics::ROSOUT, move |line: Log| {
-                let stamp_ns = line.stamp.to_nanos();
-                // As the level of `foxglove.Log`.
-                let level = (line.level / 10).clamp(1, 5);
-                hub.publish(
-                    log,
-                    stamp_ns,
-                    logged(stamp_ns, level, &line.name, &line.msg).as_bytes(),
-                );
-            })?;
-        }
-    }
+    // Every node's lines come from there, those of this process too.
+    let from_network = heard == Heard::Network && hear_log(node, hub, log).is_ok();
+    // The permissions of a secured network may let nobody read there.
+    let log = (!from_network).then_some(log);
+    participant.listen_inside(listener(hub.clone(), known, log));
     Ok(())
+}
+
+/// Fills the log with what all nodes say.
+fn hear_log(node: &RosNode, hub: &Hub, log: ChannelId) -> Result<(), RosNodeError> {
+    let hub = hub.clone();
+    node.subscribe(&topics::ROSOUT, move |line: Log| {
+        let stamp_ns = line.stamp.to_nanos();
+        // As the level of `foxglove.Log`.
+        let level = (line.level / 10).clamp(1, 5);
+        let told = logged(stamp_ns, level, &line.name, &line.msg);
+        hub.publish(log, stamp_ns, told.as_bytes());
+    })
 }
 
 /// A line of the log, as `foxglove.Log`.
@@ -113,7 +115,7 @@ impl Offers<'_> {
     }
 }
 
-fn listener(hub: Hub, known: Known, log: ChannelId) -> Listener {
+fn listener(hub: Hub, known: Known, log: Option<ChannelId>) -> Listener {
     Arc::new(move |said: Inside<'_>| match said {
         Inside::Message { topic, stamp_ns, cdr, .. } => {
             let Some(&(channel, latched)) = known.get(topic) else { return };
@@ -124,6 +126,7 @@ fn listener(hub: Hub, known: Known, log: ChannelId) -> Listener {
             }
         }
         Inside::Line { node, level, stamp_ns, text } => {
+            let Some(log) = log else { return };
             let level = match level {
                 LogLevel::Debug => 1,
                 LogLevel::Info => 2,
