@@ -32,6 +32,7 @@ pub mod pareto;
 pub mod proof;
 pub mod protocols;
 pub mod reach;
+mod rows;
 pub mod run;
 mod stage;
 pub mod structure;

@@ -10,7 +10,7 @@ use work::progress::Progress;
 
 use crate::axis::{Axis, Known};
 use crate::bed::Bed;
-use crate::board::{Board, Told};
+use crate::board::Board;
 use crate::control::{self, Control};
 use crate::dossier::Identity;
 use crate::drive::{self, Drive};
@@ -20,6 +20,7 @@ use crate::hand_over::{self, Found};
 use crate::meet::{self, Met};
 use crate::model::{self, Chosen};
 use crate::proof::{self, Proof};
+use crate::rows::Rows;
 use crate::travel::{Kept, TravelAsked};
 use crate::{CommissionError, Dossier, Stage};
 
@@ -118,7 +119,8 @@ pub fn run_watched(
     stop: &Arc<AtomicBool>,
     (progress, board): (&Progress, &Board),
 ) -> Result<Outcome, CommissionError> {
-    board.begin(dossier.folder(), &asked.wanted);
+    let wanted = asked.wanted.iter().map(|(name, share)| (name.to_string(), share));
+    board.begin(dossier.folder(), wanted.collect());
     let outcome = stages((asked, known), dossier, stop, (progress, board));
     if let Err(error) = &outcome {
         board.ended(error.to_string());
@@ -168,6 +170,7 @@ fn stages(
             dossier.keep_underway(blocks, used - begun)
         })
     })?;
+    friction.show(board);
     // What is left is known by now.
     let last = control::seconds_needed() + proof::seconds_needed() + SPARE;
     axis.expect(MODEL + last);
@@ -199,14 +202,14 @@ fn stages(
 }
 
 /// What the folder has of a stage, else what `work` finds, kept.
-fn stage<'a, T: Serialize + DeserializeOwned + Told>(
+fn stage<'a, T: Serialize + DeserializeOwned + Rows>(
     dossier: &Dossier,
     stage: Stage,
     axis: &mut Axis<'a>,
     work: impl FnOnce(&mut Axis<'a>) -> Result<T, CommissionError>,
 ) -> Result<T, CommissionError> {
-    if let Some((found, seconds)) = dossier.found(stage)? {
-        axis.board().done(stage, seconds, &found);
+    if let Some((found, seconds)) = dossier.found::<T>(stage)? {
+        axis.board().done(stage, seconds, found.rows());
         return Ok(found);
     }
     axis.board().begun(stage);
@@ -216,7 +219,7 @@ fn stage<'a, T: Serialize + DeserializeOwned + Told>(
     let found = work(axis)?;
     let seconds = before + axis.used() - begun;
     dossier.keep(stage, seconds, &found)?;
-    axis.board().done(stage, seconds, &found);
+    axis.board().done(stage, seconds, found.rows());
     Ok(found)
 }
 

@@ -33,3 +33,29 @@ fn the_bench_of_the_live_loop_prints_a_ratio_for_each_block() {
     }
     assert!(told.contains("median ratio of the p99 period errors"), "{told}");
 }
+
+#[test]
+fn the_bench_holds_the_loop_with_viewers_against_the_loop_without() {
+    let output = tests::xtask()
+        .args(["bench-live", "--blocks", "1", "--seconds", "2", "--report-only"])
+        .args(["--viewers", "3", "--program"])
+        .arg(tests::frictionlab().get_program())
+        .current_dir(tests::checkout())
+        .output()
+        .expect("it starts");
+    let (told, said) =
+        (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    if said.contains("too busy to measure") {
+        tests::leave_out("the machine is too busy for the bench");
+        return;
+    }
+    assert!(output.status.success(), "{told}\n{said}");
+    assert!(told.contains("with 3 viewers: median ratio of the p99 period errors"), "{told}");
+    let row: Vec<f64> = told
+        .lines()
+        .filter_map(|line| line.split_whitespace().map(|word| word.parse().ok()).collect())
+        .find(|row: &Vec<f64>| row.len() == 11)
+        .unwrap_or_else(|| panic!("no row: {told}"));
+    // Late cycles without, with, and what they differ by.
+    assert_eq!(row[10], row[8] - row[6], "{told}");
+}

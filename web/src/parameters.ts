@@ -31,6 +31,8 @@ interface Row {
 
 /** Widest range, high over low, that a slider can be used for. */
 const SLIDER = 5000;
+/** Ratio of the ends of a range from which on a slider goes by decades. */
+const DECADES = 100;
 
 export class Parameters {
   private readonly rows = new Map<string, Row>();
@@ -158,19 +160,14 @@ export class Parameters {
     const also: HTMLElement[] = [];
     const slider = numeric && one.range && usable(one.range) ? one.range : undefined;
     if (!slider) return { control: input, also, show: (value) => (input.value = text(value)) };
-    const [low, high] = slider;
-    const range = make("input", { type: "range", min: String(low), max: String(high) });
-    range.step = one.type === "integer" ? "1" : "any";
-    range.value = text(one.value);
-    range.disabled = fixed;
-    range.setAttribute("aria-label", `${one.name}, slider`);
-    range.addEventListener("input", () => (input.value = short(range.valueAsNumber)));
-    range.addEventListener("change", () => changed(Number(short(range.valueAsNumber))));
-    also.push(range);
+    const range = slide(one, slider, (value) => (input.value = short(value)), changed);
+    range.element.disabled = fixed;
+    also.push(range.element);
     const show = (value: Value) => {
       input.value = text(value);
-      range.value = text(value);
+      range.show(Number(value));
     };
+    show(one.value);
     return { control: input, also, show };
   }
 
@@ -224,7 +221,8 @@ export class Parameters {
         const model = one.name.split(".")[0]!;
         const other = one.name.includes(".") && models.includes(model) && model !== choice?.value;
         const all = `${node.node} ${one.name} ${one.description}`.toLowerCase();
-        row.element.hidden = wanted ? !all.includes(wanted) : other || one.readOnly;
+        const usual = one.name === "use_sim_time";
+        row.element.hidden = wanted ? !all.includes(wanted) : other || usual || one.readOnly;
         if (!row.element.hidden) shown++;
       }
       const details = by("parameters").querySelector<HTMLDetailsElement>(
@@ -243,6 +241,34 @@ export class Parameters {
 /** The reference is what is changed most. */
 function rank(node: string): number {
   return node.endsWith("/reference") ? 0 : 1;
+}
+
+/** A slider; over several decades it goes by them. */
+function slide(
+  one: Parameter,
+  [low, high]: [number, number],
+  moved: (value: number) => void,
+  changed: (value: number) => void,
+): { element: HTMLInputElement; show(value: number): void } {
+  const byDecades = one.type === "double" && low > 0 && high / low > DECADES;
+  const to = (value: number) => (byDecades ? Math.log10(value) : value);
+  const from = (at: number) => Number(short(byDecades ? 10 ** at : at));
+  const element = make("input", { type: "range", min: String(to(low)), max: String(to(high)) });
+  element.step = one.type === "integer" ? "1" : "any";
+  element.setAttribute("aria-label", `${one.name}, slider`);
+  const say = (value: number) => element.setAttribute("aria-valuetext", short(value));
+  element.addEventListener("input", () => {
+    const value = from(element.valueAsNumber);
+    say(value);
+    moved(value);
+  });
+  element.addEventListener("change", () => changed(from(element.valueAsNumber)));
+  const show = (value: number) => {
+    if (!Number.isFinite(value)) return;
+    element.value = String(to(value));
+    say(value);
+  };
+  return { element, show };
 }
 
 function plain(one: Parameter): boolean {

@@ -4,7 +4,6 @@
 //! ([`Board::standing`]). Nothing here waits, and nothing that is written here is read by a stage.
 
 mod cycles;
-mod told;
 
 use std::path::Path;
 use std::sync::mpsc::Receiver;
@@ -14,9 +13,6 @@ use serde::Serialize;
 
 pub use self::cycles::Cycle;
 use self::cycles::Cycles;
-pub(crate) use self::told::Told;
-use crate::friction::wanted::{CurveParameter, Wanted};
-use crate::friction::{Curve, Point};
 use crate::{Ranged, Stage};
 
 /// Lines that are kept.
@@ -48,11 +44,11 @@ pub struct Standing {
     /// The most rig time that may be left \[s\].
     pub left: f64,
     /// How well the friction is to be known: half widths as shares of the values.
-    pub wanted: Vec<(CurveParameter, f64)>,
+    pub wanted: Vec<(String, f64)>,
     /// How well it was known, block by block.
     pub narrowed: Vec<Narrowed>,
     /// The curve as it is fitted now.
-    pub curve: Option<Curve>,
+    pub curve: Option<Fitted>,
     /// What it is fitted to: speed [rad/s] and voltage \[V\].
     pub points: Vec<(f64, f64)>,
     /// Lines that stay, the oldest first.
@@ -80,7 +76,31 @@ pub struct Narrowed {
     /// Blocks until then.
     pub blocks: usize,
     /// Each parameter with its interval.
-    pub parameters: Vec<(CurveParameter, Ranged)>,
+    pub parameters: Vec<(String, Ranged)>,
+}
+
+/// A friction curve as it is fitted to what was measured.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Fitted {
+    /// Static friction \[V\].
+    pub f_s: Ranged,
+    /// Coulomb friction \[V\].
+    pub f_c: Ranged,
+    /// Stribeck velocity [rad/s].
+    pub v_s: Ranged,
+    /// Back-EMF and viscous friction together \[V s/rad\].
+    pub slope: Ranged,
+    /// Whether it has a dip: without one the static level has no meaning.
+    pub dips: bool,
+}
+
+impl Fitted {
+    fn parameters(&self) -> Vec<(String, Ranged)> {
+        let Self { f_s, f_c, v_s, slope, .. } = *self;
+        [("f_c", f_c), ("f_s", f_s), ("v_s", v_s), ("slope", slope)]
+            .map(|(name, ranged)| (name.to_owned(), ranged))
+            .to_vec()
+    }
 }
 
 impl Board {
@@ -103,12 +123,9 @@ impl Board {
     }
 
     /// A new commission begins in a folder, for which friction is to be known so well.
-    pub(crate) fn begin(&self, folder: &Path, wanted: &Wanted) {
-        *self.write() = Standing {
-            folder: folder.display().to_string(),
-            wanted: wanted.iter().collect(),
-            ..Standing::default()
-        };
+    pub(crate) fn begin(&self, folder: &Path, wanted: Vec<(String, f64)>) {
+        *self.write() =
+            Standing { folder: folder.display().to_string(), wanted, ..Standing::default() };
     }
 
     /// A stage begins.
@@ -137,14 +154,14 @@ impl Board {
         lines.drain(..old);
     }
 
-    /// What was measured of the friction after so many blocks, and the curve through it.
-    pub(crate) fn measured(&self, blocks: usize, points: &[Point], curve: Option<&Curve>) {
+    /// What was measured of the friction after so many blocks, speed [rad/s] and voltage \[V\], and the
+    /// curve through it.
+    pub(crate) fn measured(&self, blocks: usize, points: Vec<(f64, f64)>, curve: Option<Fitted>) {
         let mut standing = self.write();
-        standing.points = points.iter().map(|point| (point.velocity, point.volts)).collect();
+        standing.points = points;
         let Some(curve) = curve else { return };
-        standing.curve = Some(*curve);
-        let parameters = CurveParameter::ALL.map(|parameter| (parameter, parameter.of(curve)));
-        let now = Narrowed { blocks, parameters: parameters.to_vec() };
+        standing.curve = Some(curve);
+        let now = Narrowed { blocks, parameters: curve.parameters() };
         match standing.narrowed.last_mut() {
             Some(last) if last.blocks == blocks => *last = now,
             _ => standing.narrowed.push(now),
@@ -152,14 +169,11 @@ impl Board {
     }
 
     /// A stage is done.
-    pub(crate) fn done(&self, stage: Stage, seconds: f64, found: &impl Told) {
-        if let Some((blocks, points, curve)) = found.friction() {
-            self.measured(blocks, points, Some(curve));
-        }
+    pub(crate) fn done(&self, stage: Stage, seconds: f64, found: Vec<(String, String)>) {
         let mut standing = self.write();
         standing.stage = None;
         standing.doing.clear();
-        standing.done.push(Done { stage, seconds, found: found.rows() });
+        standing.done.push(Done { stage, seconds, found });
     }
 
     /// All is done, and this is what it was worth.
@@ -190,25 +204,22 @@ mod tests {
     #[test]
     fn the_last_lines_are_kept_and_a_block_is_told_once() {
         let board = Board::default();
-        board.begin(Path::new("a"), &Wanted::default());
+        board.begin(Path::new("a"), Vec::new());
         for line in 0..LINES + 3 {
             board.line(&line.to_string());
         }
         let lines = board.standing().lines;
         assert_eq!((lines.len(), lines[0].as_str()), (LINES, "3"));
-        let point =
-            |velocity, volts| Point { velocity, volts, one_way: 0.0, uneven: 0.0, time: 0.0 };
-        let points: Vec<Point> =
-            (1..12).map(|at| point(f64::from(at), 1.0 + 0.1 * f64::from(at))).collect();
-        let curve = Curve::straight(&points).unwrap();
-        board.measured(11, &points, Some(&curve));
-        board.measured(11, &points, Some(&curve));
-        board.measured(12, &points, Some(&curve));
+        let one = Ranged::new(1.0, 0.9, 1.1);
+        let curve = Fitted { f_s: one, f_c: one, v_s: one, slope: one, dips: true };
+        board.measured(11, vec![(1.0, 2.0)], Some(curve));
+        board.measured(11, vec![(1.0, 2.0)], Some(curve));
+        board.measured(12, vec![(1.0, 2.0), (2.0, 3.0)], Some(curve));
         let standing = board.standing();
         assert_eq!(standing.narrowed.len(), 2);
-        assert_eq!(standing.narrowed[1].parameters.len(), CurveParameter::ALL.len());
-        assert_eq!(standing.points.len(), 11);
-        board.begin(Path::new("b"), &Wanted::default());
+        assert_eq!(standing.narrowed[1].parameters.len(), 4);
+        assert_eq!(standing.points.len(), 2);
+        board.begin(Path::new("b"), Vec::new());
         assert!(board.standing().narrowed.is_empty());
     }
 }

@@ -29,6 +29,7 @@ pub(crate) use menu::between;
 use self::menu::{MENU, by_limits, menu, narrowed, rarest, varied};
 
 use crate::axis::{Axis, Known};
+use crate::board::{Board, Fitted};
 use crate::drive::Drive;
 use crate::friction::wanted::Wanted;
 use crate::loop_design::{LoopDesign, Plant, STEADY, design};
@@ -206,7 +207,7 @@ pub fn friction(
                 }
             }
         };
-        axis.board().measured(underway.blocks.len(), &underway.points, curve.as_ref());
+        show(axis.board(), underway.blocks.len(), &underway.points, curve.as_ref());
         axis.say(Stage::Friction, &said(underway.blocks.len() + 1, next, curve.as_ref()));
         let next = varied(next, underway.blocks.len());
         match measured.measure(axis, &bench, Stage::Friction, next)? {
@@ -243,6 +244,16 @@ pub fn friction(
     Ok(Friction { curve, ending, blocks, points, trails, change, speeds, kept_from, followed_by })
 }
 
+/// Shows what was measured until now to whoever watches.
+fn show(board: &Board, blocks: usize, points: &[Point], curve: Option<&Curve>) {
+    let points = points.iter().map(|point| (point.velocity, point.volts)).collect();
+    let fitted = |curve: &Curve| {
+        let &Curve { f_s, f_c, v_s, slope, dips, .. } = curve;
+        Fitted { f_s, f_c, v_s, slope, dips }
+    };
+    board.measured(blocks, points, curve.map(fitted));
+}
+
 /// Whether what is wanted of the curve is known.
 fn is_known(curve: &Curve, wanted: &Wanted) -> bool {
     let wanted = if curve.dips { wanted.clone() } else { wanted.without_dip() };
@@ -250,6 +261,11 @@ fn is_known(curve: &Curve, wanted: &Wanted) -> bool {
 }
 
 impl Friction {
+    /// Shows it to whoever watches.
+    pub(crate) fn show(&self, board: &Board) {
+        show(board, self.blocks.len(), &self.points, Some(&self.curve));
+    }
+
     /// Mean speed of the blocks [rad/s].
     #[must_use]
     pub fn mean_speed(&self) -> f64 {

@@ -40,9 +40,6 @@ pub enum CurveParameter {
 }
 
 impl CurveParameter {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::FC, Self::FS, Self::VS, Self::Slope];
-
     /// Its value in a curve.
     #[must_use]
     pub const fn of(self, curve: &Curve) -> Ranged {

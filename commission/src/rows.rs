@@ -4,28 +4,23 @@ use report::numbers::{percent, significant};
 
 use crate::control::Control;
 use crate::drive::Drive;
-use crate::friction::{Curve, Friction, Point};
+use crate::friction::{Curve, Friction};
 use crate::hand_over::{arm, fed_back, proved};
 use crate::meet::Met;
 use crate::model::Chosen;
 use crate::proof::Proof;
 
 /// What can be told of what a stage found.
-pub(crate) trait Told {
+pub(crate) trait Rows {
     /// Name and value of each thing.
     fn rows(&self) -> Vec<(String, String)>;
-
-    /// Blocks, points and curve of the friction, if that is what was found.
-    fn friction(&self) -> Option<(usize, &[Point], &Curve)> {
-        None
-    }
 }
 
 fn rows(all: impl IntoIterator<Item = (&'static str, String)>) -> Vec<(String, String)> {
     all.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
-impl Told for Met {
+impl Rows for Met {
     fn rows(&self) -> Vec<(String, String)> {
         let volts = |volts: f64| format!("{} V", significant(volts, 3));
         let shows = |shows: bool| if shows { "shows the motion" } else { "not used" }.to_owned();
@@ -46,7 +41,7 @@ impl Told for Met {
     }
 }
 
-impl Told for Drive {
+impl Rows for Drive {
     fn rows(&self) -> Vec<(String, String)> {
         rows([
             ("gain", self.gain.said("rad/s per V")),
@@ -56,7 +51,7 @@ impl Told for Drive {
     }
 }
 
-impl Told for Friction {
+impl Rows for Friction {
     fn rows(&self) -> Vec<(String, String)> {
         let change =
             self.change.map(|change| ("change while measured", percent(100.0 * change, 1)));
@@ -68,13 +63,9 @@ impl Told for Friction {
                 .chain(change),
         )
     }
-
-    fn friction(&self) -> Option<(usize, &[Point], &Curve)> {
-        Some((self.blocks.len(), &self.points, &self.curve))
-    }
 }
 
-impl Told for Chosen {
+impl Rows for Chosen {
     fn rows(&self) -> Vec<(String, String)> {
         rows([
             ("curve", self.kind.to_string()),
@@ -84,7 +75,7 @@ impl Told for Chosen {
     }
 }
 
-impl Told for Control {
+impl Rows for Control {
     fn rows(&self) -> Vec<(String, String)> {
         rows([
             (
@@ -101,7 +92,7 @@ impl Told for Control {
     }
 }
 
-impl Told for Proof {
+impl Rows for Proof {
     fn rows(&self) -> Vec<(String, String)> {
         rows([("proof", proved(self))])
     }
