@@ -40,7 +40,8 @@ fn inside_seen_and_steered() {
     tab.until(&format!("{}.startsWith('refused: ')", said("reference_timeout")));
     let refused = tab.evaluate(&said("reference_timeout"));
     assert!(refused.as_str().unwrap().contains("60"), "the node's reason: {refused}");
-    let shown = "document.querySelector('[data-name=\"reference_timeout\"] input[type=number]').value";
+    let shown =
+        "document.querySelector('[data-name=\"reference_timeout\"] input[type=number]').value";
     assert_eq!(tab.evaluate(shown), "0.7");
     tab.click("#undo");
     tab.until(&format!("{} === 'reference_timeout is 0.5'", said("reference_timeout")));

@@ -52,10 +52,29 @@ struct Begun {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Course {
     now: Begun,
-    /// What was before, while it is still blended out, and how long that takes \[s\].
-    before: Option<(Begun, f64)>,
+    /// What was before, while it is still blended out.
+    blend: Option<Blend>,
     /// What it becomes once that is done.
     wanted: Option<Shape>,
+}
+
+/// A change that is underway.
+#[derive(Debug, Clone, Copy)]
+struct Blend {
+    from: Begun,
+    /// How long it takes \[s\].
+    duration: f64,
+    by: By,
+}
+
+/// What is blended.
+#[derive(Debug, Clone, Copy)]
+enum By {
+    /// The place: velocity and acceleration follow from it.
+    Place,
+    /// The velocity. The place follows from it: where the reference was last \[rad\], when \[s\] and
+    /// how fast [rad/s].
+    Velocity { place: f64, time: f64, velocity: f64 },
 }
 
 impl Shape {
@@ -113,31 +132,62 @@ impl Begun {
 impl Course {
     /// A shape from time zero and place zero on.
     pub(super) const fn new(shape: Shape) -> Self {
-        Self {
-            now: Begun { shape, at: 0.0, position: 0.0, phase: 0.0 },
-            before: None,
-            wanted: None,
-        }
+        let now = Begun { shape, at: 0.0, position: 0.0, phase: 0.0 };
+        Self { now, blend: None, wanted: None }
     }
 
     /// The reference at a time \[s\], no earlier than the one asked for before.
     pub(super) fn at(&mut self, time: f64) -> Reference {
-        if self.before.is_some_and(|(_, duration)| time - self.now.at >= duration) {
-            self.before = None;
+        if let Some(blend) = self.blend
+            && time - self.now.at >= blend.duration
+        {
+            self.blend = None;
+            if let By::Velocity { place, time: last, velocity } = blend.by {
+                // It goes on from where it came to.
+                let now = self.now.at(time);
+                let there = place + 0.5 * (velocity + now.velocity) * (time - last);
+                self.now.position += there - now.position;
+            }
         }
-        if self.before.is_none()
+        if self.blend.is_none()
             && let Some(shape) = self.wanted.take()
         {
-            let place = self.now.at(time).position;
-            let now = self.now.followed_by(shape, time, place);
-            let gap = (now.at(time).position - place).abs();
-            self.before = Some((self.now, BLEND.max(gap / PACE)));
-            self.now = now;
+            self.begin(shape, time);
         }
         let now = self.now.at(time);
-        let Some((before, duration)) = self.before else { return now };
-        let s = ((time - self.now.at) / duration).clamp(0.0, 1.0);
-        blended(&before.at(time), &now, s, duration)
+        let Some(Blend { from, duration, by }) = &mut self.blend else { return now };
+        let s = ((time - self.now.at) / *duration).clamp(0.0, 1.0);
+        let from = from.at(time);
+        match by {
+            By::Place => blended(&from, &now, s, *duration),
+            By::Velocity { place, time: last, velocity } => {
+                let (share, rate, _) = shares(s, *duration);
+                let drift = now.velocity - from.velocity;
+                let fast = from.velocity + share * drift;
+                *place += 0.5 * (*velocity + fast) * (time - *last);
+                (*last, *velocity) = (time, fast);
+                Reference {
+                    position: *place,
+                    velocity: fast,
+                    acceleration: from.acceleration
+                        + share * (now.acceleration - from.acceleration)
+                        + rate * drift,
+                }
+            }
+        }
+    }
+
+    fn begin(&mut self, shape: Shape, time: f64) {
+        let Reference { position: place, velocity, .. } = self.now.at(time);
+        let now = self.now.followed_by(shape, time, place);
+        let (duration, by) = if shape.kind == Kind::PositionSine {
+            let gap = (now.at(time).position - place).abs();
+            (BLEND.max(gap / PACE), By::Place)
+        } else {
+            (BLEND, By::Velocity { place, time, velocity })
+        };
+        self.blend = Some(Blend { from: self.now, duration, by });
+        self.now = now;
     }
 
     /// Becomes another shape, once the change before it is done; of several the last.
@@ -146,13 +196,20 @@ impl Course {
     }
 }
 
-/// `s` of the way from one reference to another, by a curve that begins and ends at rest (as
+/// How much of a change is done after `s` of its time, how fast that grows [1/s], and how fast that
+/// does [1/s^2]: a curve that begins and ends at rest (as
 /// [`MovePosition`](experiment_runner::waveform::Waveform::MovePosition)).
-fn blended(from: &Reference, to: &Reference, s: f64, duration: f64) -> Reference {
+fn shares(s: f64, duration: f64) -> (f64, f64, f64) {
     let rest = 1.0 - s;
     let share = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
     let rate = 30.0 * s * s * rest * rest / duration;
     let bend = 60.0 * s * rest * (1.0 - 2.0 * s) / (duration * duration);
+    (share, rate, bend)
+}
+
+/// `s` of the way from one place to another.
+fn blended(from: &Reference, to: &Reference, s: f64, duration: f64) -> Reference {
+    let (share, rate, bend) = shares(s, duration);
     let gap = to.position - from.position;
     let drift = to.velocity - from.velocity;
     Reference {
@@ -229,6 +286,13 @@ mod tests {
             assert!(now.velocity.abs() < 4.0, "{step}: {now:?}");
             before = now;
         }
+        // From one constant velocity to another there is nothing beyond either.
+        let constant = |offset| Shape { kind: Kind::ConstantVelocity, offset, ..SINE };
+        let mut level = Course::new(constant(-1.0));
+        level.at(0.0);
+        level.change(constant(0.5));
+        let between = |velocity: f64| (-1.0..=0.5).contains(&velocity);
+        assert!((1..2000).all(|step| between(level.at(f64::from(step) * STEP).velocity)));
         // The last one counts, and goes on where the shaft was to be.
         let peak = (20_000..30_000).map(|step| course.at(f64::from(step) * STEP).velocity);
         let peak = peak.fold(0.0, f64::max);
