@@ -37,7 +37,7 @@ pub struct CommissionCommand {
 /// Runs it.
 ///
 /// # Errors
-/// [`BadInput`] for what the user can mend, [`Interrupted`](work::Interrupted) after ctrl-C.
+/// [`BadInput`](work::BadInput) for what the user can mend, [`Interrupted`] after ctrl-C.
 pub fn execute(command: &CommissionCommand) -> anyhow::Result<()> {
     let CommissionCommand { view, commission: args } = command;
     checked(args)?;
