@@ -12,7 +12,7 @@ const alike = [...document.querySelectorAll('.plot')].flatMap((plot) => {
   const looks = new Map();
   for (const trace of plot._fullData ?? []) {
     // Of a band the edge is drawn in no width; it has the look of its curve.
-    if (trace.fill === 'toself' || trace.meta === 'arrows') continue;
+    if (trace.fill === 'toself' || trace.meta === 'arrows' || trace.visible !== true) continue;
     const { line, marker, mode } = trace;
     const bar = trace.type === 'bar';
     const look = bar ? `${marker.color} ${marker.pattern.shape}` : `${mode.includes('lines') ? `${line.color} ${line.dash}` : ''} ${mode.includes('markers') ? `${marker.color} ${marker.symbol}` : ''}`;

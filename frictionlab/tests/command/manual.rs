@@ -76,7 +76,7 @@ fn every_command_has_a_manual_page() {
     for command in listed(&[]) {
         expected.insert(format!("frictionlab-{command}.1"));
         let beneath = listed(&[&command]);
-        if ["bag", "design", "node", "rig", "security"].contains(&command.as_str()) {
+        if ["bag", "design", "node", "rig", "runs", "security"].contains(&command.as_str()) {
             assert!(!beneath.is_empty(), "{command}");
             expected.extend(beneath.iter().map(|word| format!("frictionlab-{command}-{word}.1")));
         }

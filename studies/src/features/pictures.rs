@@ -266,8 +266,8 @@ pub(super) fn describing(models: &[ModelFeatures]) -> Figure {
         x_label: "amplitude A [m]".to_owned(),
         log_x: true,
         panels: vec![
-            panel("A Re N [N]", |model| &model.describing.re),
-            panel("A Im N [N]", |model| &model.describing.im),
+            panel("in phase, A Re N [N]", |model| &model.describing.re),
+            panel("out of phase, A Im N [N]", |model| &model.describing.im),
         ],
     }
 }
