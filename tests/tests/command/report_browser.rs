@@ -8,7 +8,7 @@ use report::render_page;
 use tests::browser::{Browser, Seen};
 
 #[path = "../../../report/examples/report_demo/page.rs"]
-mod demonstration;
+pub(crate) mod demonstration;
 
 /// Where a person may look at what the test saw.
 fn picture(name: &str) -> PathBuf {

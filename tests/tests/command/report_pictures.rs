@@ -8,8 +8,7 @@ use serde_json::{Value, json};
 use tests::pictures::{SETTLED, boxed, complaint};
 use tests::tab::Tab;
 
-#[path = "../../../report/examples/report_demo/page.rs"]
-mod demonstration;
+use crate::report_browser::demonstration;
 
 /// Pixels of the windows: of a phone, of half a screen, of a whole one.
 const WIDTHS: [u32; 3] = [390, 900, 1400];
