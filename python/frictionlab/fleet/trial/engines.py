@@ -38,7 +38,9 @@ def timed(engine: str, workers: int, count: int, **keywords: Any) -> Timed:
         seen: list[tuple[float, int]] = []
         if engine == "ray":
             # A cluster of so many processors, each with work to come.
-            needed("ray", "ray").init(num_cpus=workers, include_dashboard=False, log_to_driver=False, logging_level="error")
+            needed("ray", "ray").init(
+                "local", num_cpus=workers, include_dashboard=False, log_to_driver=False, logging_level="error"
+            )
         run(
             folder,
             Path(name) / "out",
