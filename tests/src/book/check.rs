@@ -9,9 +9,9 @@ use std::process::Stdio;
 use crate::{checkout, frictionlab, rig_emulator};
 
 /// Programs of others, and words of the shell.
-const OTHERS: [&str; 16] = [
-    "ros2", "colcon", "cmake", "cc", "pip", "jq", "mkdir", "ln", "cd", "source", "export", "kill",
-    "for", "do", "done", "apt-get",
+const OTHERS: [&str; 17] = [
+    "ros2", "colcon", "cmake", "cc", "pip", "rerun", "jq", "mkdir", "ln", "cd", "source", "export",
+    "kill", "for", "do", "done", "apt-get",
 ];
 
 /// The commands of a block, one a line, as words: lines that end in a backslash are joined, and
