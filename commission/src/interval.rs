@@ -58,16 +58,21 @@ impl Ranged {
         self.low.is_none_or(|low| low <= value) && self.high.is_none_or(|high| value <= high)
     }
 
-    /// As people read it: the value and half its interval in per cent.
+    /// As people read it: the value and half its interval in per cent, or the ends where zero lies
+    /// between them: a share of nearly nothing says nothing.
     #[must_use]
     pub fn said(&self, unit: &str) -> String {
         let value = report::numbers::significant(self.value, 4);
         let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-        match self.relative() {
-            Some(share) => {
+        match (self.relative(), self.low.zip(self.high)) {
+            (Some(_), Some((low, high))) if self.holds(0.0) => {
+                let [low, high] = [low, high].map(|end| report::numbers::significant(end, 2));
+                format!("{value}{unit} ({low} to {high})")
+            }
+            (Some(share), _) => {
                 format!("{value}{unit} ± {}", report::numbers::percent(100.0 * share, 1))
             }
-            None => format!("{value}{unit}, not determined"),
+            (None, _) => format!("{value}{unit}, not determined"),
         }
     }
 }
@@ -83,6 +88,12 @@ mod tests {
         assert!((mean.high.unwrap() - 4.48414).abs() < 1e-4 && mean.value == 2.0);
         assert!(mean.holds(0.0) && !mean.holds(5.0));
         assert_eq!(Ranged::mean_of(&[1.0]), None);
+    }
+
+    #[test]
+    fn a_value_about_zero_is_told_by_its_ends() {
+        assert_eq!(Ranged::new(2.0, 1.0, 3.0).said("V"), "2.000 V ± 50.0 %");
+        assert_eq!(Ranged::new(-0.5, -2.0, 1.0).said("s"), "-0.5000 s (-2.0 to 1.0)");
     }
 
     #[test]
