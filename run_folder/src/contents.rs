@@ -70,7 +70,7 @@ impl Contents {
         }
         for (name, part) in document.as_object().into_iter().flatten() {
             match name.as_str() {
-                name if BESIDE.contains(&name) => {}
+                name if BESIDE.contains(&name) || AGAIN.contains(&name) => {}
                 name if SETTINGS.contains(&name) => found.setting(name.to_owned(), part, 0),
                 name => found.result(name.to_owned(), part, 0),
             }

@@ -25,6 +25,14 @@ pub(crate) fn show(tab: &mut Tab, file: &Path, width: u32, dark: bool) {
     );
 }
 
+/// A browser that has shown the page once: its font is at hand when figures measure their legends.
+fn warm(file: &Path) -> Tab {
+    let mut tab = Tab::open();
+    show(&mut tab, file, 900, false);
+    assert_eq!(tab.evaluate(SETTLED), true);
+    tab
+}
+
 /// What is wrong with the page in `file` at each width: parts that are cut or wider than the
 /// window, curves that look alike, axes without words, complaints of the browser.
 pub(crate) fn misfits(tab: &mut Tab, file: &Path) -> Vec<String> {
@@ -65,7 +73,7 @@ fn the_demonstration_page_looks_as_it_did() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = folder.path().join("page.html");
     boxed(&render_page(&demonstration::demonstration()), &file);
-    let mut tab = Tab::open();
+    let mut tab = warm(&file);
     let mut wrong = Vec::new();
     for width in WIDTHS {
         for dark in [false, true] {
@@ -85,7 +93,8 @@ fn a_page_that_looks_different_is_noticed() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = folder.path().join("page.html");
     let html = render_page(&demonstration::demonstration());
-    let mut tab = Tab::open();
+    boxed(&html, &file);
+    let mut tab = warm(&file);
     let mut picture = |html: &str| {
         boxed(html, &file);
         show(&mut tab, &file, 900, false);
