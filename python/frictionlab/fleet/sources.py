@@ -163,7 +163,10 @@ def _of_file(path: Path) -> str:
 
 
 def _missing(value: Any) -> bool:
-    return value is None or value != value or value == ""
+    import pandas as pd
+
+    # Also `pd.NA`, which is neither equal to itself nor unequal.
+    return bool(pd.isna(value)) or value == ""
 
 
 def _pattern(names: str | None) -> re.Pattern[str] | None:

@@ -147,6 +147,14 @@ def test_a_table_says_what_recordings_are(folder, tmp_path, capsys):
     assert main(["--page-only", "--out", str(tmp_path / "out"), "--false-alarms", "0.02"]) == 0
 
 
+def test_what_a_table_leaves_out_is_left_out(tmp_path):
+    file = tmp_path / "one.csv"
+    file.write_text("t_s")
+    table = pd.DataFrame({"uri": [str(file)], "machine": pd.array([pd.NA], "string"), "age_h": pd.array([pd.NA], "Int64")})
+    (found,) = fleet.recordings(table)
+    assert (found.machine, found.age_h) == (None, None)
+
+
 @pytest.mark.parametrize(
     ("call", "said"),
     [
