@@ -263,7 +263,8 @@ return_type FrictionCompensationController::update_reference_from_subscribers(
     const rclcpp::Time &time, const rclcpp::Duration &) {
   const std::int64_t heard_at = heard_at_.load(std::memory_order_acquire);
   const double age = 1e-9 * static_cast<double>(time.nanoseconds() - heard_at);
-  const bool fresh = heard_at != 0 && age <= reference_timeout_;
+  // A clock that was set back makes no message younger.
+  const bool fresh = heard_at != 0 && std::fabs(age) <= reference_timeout_;
   reference_interfaces_[0] = fresh ? heard_reference_.load(std::memory_order_relaxed) : NOTHING;
   return return_type::OK;
 }

@@ -114,6 +114,11 @@ void by_itself(const char *file) {
   // The message has become old.
   for (int k = 0; k < 200; ++k) joint.update();
   CHECK(joint.command == 0.0);
+  // The clock is set back: a message from what is now the future is no fresher.
+  joint.controller.get_node()->subscription->callback({0.4});
+  joint.now -= 1'200'000'000;
+  joint.update();
+  CHECK(joint.command == 0.0);
 }
 
 void what_is_lacking_is_refused(const char *file) {
