@@ -83,7 +83,8 @@ impl Run {
 }
 
 fn kept(file: &Path) -> Result<Kept, String> {
-    let html = fs::read_to_string(file).map_err(|error| error.to_string())?;
+    let bytes = files::input::table(file).map_err(|error| error.to_string())?;
+    let html = String::from_utf8(bytes).map_err(|error| error.to_string())?;
     read_page(&html).map_err(|error| error.to_string())
 }
 

@@ -127,14 +127,16 @@ impl Run {
 
     fn of(folder: &Path, kind: Kind, file: &Path, document: &Value) -> Self {
         let (state, said) = ending(kind, folder, document);
-        let beside = |name: &str| Some(folder.join(name)).filter(|path| path.exists());
+        let beside =
+            |name: &str, is: fn(&Path) -> bool| Some(folder.join(name)).filter(|it| is(it));
         Self {
             what: what(kind, document),
             made: fs::metadata(file).and_then(|about| about.modified()).ok().and_then(told),
             state,
             said,
-            report: beside(REPORT),
-            bag: beside(BAG),
+            // A pipe of that name would be waited for.
+            report: beside(REPORT, Path::is_file),
+            bag: beside(BAG, Path::is_dir),
             bytes: measure::bytes(folder),
             program_version: document["program_version"].as_str().map(str::to_owned),
             folder: folder.to_owned(),

@@ -156,3 +156,16 @@ fn a_page_is_made_of_its_report_else_of_its_document_and_says_what_is_missing() 
     assert_eq!(report::render_page(&made.page), whole);
     assert!(Run::page(&root.path().join("no"), nothing).is_err());
 }
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_in_the_place_of_a_report_is_not_waited_for() {
+    let root = tempfile::tempdir().unwrap();
+    run(root.path(), 0.1, 1);
+    let made = std::process::Command::new("mkfifo").arg(root.path().join("report.html")).status();
+    assert!(made.unwrap().success());
+    let found = Run::open(root.path()).unwrap();
+    assert_eq!(found.report, None);
+    let remade = Run::page(root.path(), |_| Ok(vec![])).unwrap();
+    assert!(!remade.missing.is_empty());
+}
