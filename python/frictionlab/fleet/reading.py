@@ -40,6 +40,10 @@ def content(uri: str, settings: Settings) -> Iterator[Content]:
     except Exception as error:  # each store raises its own
         raise _unreadable(uri, error) from None
     if "://" not in uri or uri.startswith("file://"):
+        for name in names:
+            # A pipe would be waited for, and nobody may ever write to it.
+            if Path(name).exists() and not Path(name).is_file():
+                raise BadInput(f"{uri}: a file was expected, but {name} is a pipe, a device or a folder")
         before = _states(names)
         digest, size = _read(uri, files, path, names, settings, None)
         yield Content(Path(path), digest, size)

@@ -147,6 +147,17 @@ def test_a_table_says_what_recordings_are(folder, tmp_path, capsys):
     assert main(["--page-only", "--out", str(tmp_path / "out"), "--false-alarms", "0.02"]) == 0
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes in folders here")
+def test_a_pipe_among_recordings_is_not_waited_for(tmp_path):
+    made = tmp_path / "recordings"
+    made.mkdir()
+    (made / "one.csv").write_bytes(recording(1))
+    os.mkfifo(made / "two.csv")
+    found = fleet.run(made, tmp_path / "out", workers=1, **MODEL)
+    assert len(found.failed) == 1 and "is a pipe" in found.failed["error"].iloc[0]
+    assert found.to_pandas()["uri"].nunique() == 2
+
+
 def test_what_a_table_leaves_out_is_left_out(tmp_path):
     file = tmp_path / "one.csv"
     file.write_text("t_s")
