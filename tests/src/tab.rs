@@ -141,20 +141,20 @@ impl Tab {
         }
     }
 
-    /// Clicks an element as a person does: it must be in sight.
+    /// Clicks an element as a person does: when it is there, in sight, at rest and not disabled.
     ///
     /// # Panics
-    /// When there is none.
+    /// When it does not become so.
     pub fn click(&mut self, selector: &str) {
         let at = self.middle(selector);
         self.mouse("mousePressed", at);
         self.mouse("mouseReleased", at);
     }
 
-    /// Presses the mouse on an element and holds it.
+    /// Presses the mouse on an element and holds it, as [`click`](Self::click) does.
     ///
     /// # Panics
-    /// When there is none.
+    /// When it does not become ready for it.
     pub fn hold(&mut self, selector: &str) {
         let at = self.middle(selector);
         self.mouse("mousePressed", at);
@@ -165,16 +165,30 @@ impl Tab {
         self.ask("Input.dispatchMouseEvent", &event);
     }
 
-    /// The middle of an element in the window.
+    /// The middle of an element in the window, once a click there would reach it. A page that is
+    /// still filling moves its elements, and a busy machine gives it the time to.
     fn middle(&mut self, selector: &str) -> (f64, f64) {
-        let found = self.evaluate(&format!(
-            "(() => {{ const one = document.querySelector({selector:?}); if (!one) return null;
+        let look = format!(
+            "(async () => {{ const one = document.querySelector({selector:?}); if (!one) return null;
              one.scrollIntoView({{ block: 'center', behavior: 'instant' }});
-             const box = one.getBoundingClientRect();
-             return [box.x + box.width / 2, box.y + box.height / 2]; }})()"
-        ));
-        let number = |at: usize| found[at].as_f64();
-        number(0).zip(number(1)).unwrap_or_else(|| panic!("the page has no {selector}"))
+             const place = () => {{ const box = one.getBoundingClientRect();
+               return [box.x + box.width / 2, box.y + box.height / 2]; }};
+             const frame = () => new Promise((done) => requestAnimationFrame(done));
+             const before = place(); await frame(); await frame(); const now = place();
+             const hit = document.elementFromPoint(now[0], now[1]);
+             const ready = before[0] === now[0] && before[1] === now[1] && !one.disabled
+               && one.contains(hit);
+             return ready ? now : null; }})()"
+        );
+        let began = Instant::now();
+        loop {
+            let found = self.evaluate(&look);
+            if let Some(place) = found[0].as_f64().zip(found[1].as_f64()) {
+                return place;
+            }
+            assert!(began.elapsed() < PATIENCE, "{selector} cannot be clicked");
+            thread::sleep(AGAIN);
+        }
     }
 
     /// Presses a key and lets it go: `Tab`, `Enter`, `Escape`, or a letter.

@@ -13,6 +13,10 @@ fn run(name: &str) -> String {
 fn run_with(name: &str, arguments: &[&str]) -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace");
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    // Without a network there are the versions that the workspace itself was built with, and no
+    // others: cargo would ask for the newest that it has heard of.
+    let lock = root.join("examples").join(name).join("Cargo.lock");
+    std::fs::copy(root.join("Cargo.lock"), lock).expect("the versions of the workspace");
     let output = Command::new(cargo)
         .args(["run", "--quiet", "--offline", "--manifest-path"])
         .arg(root.join("examples").join(name).join("Cargo.toml"))
