@@ -132,13 +132,23 @@ impl<'a> Plot<'a> {
     }
 
     /// Horizontal places of the values of a categorical trace, beside those of the other series,
-    /// and their width.
+    /// and their width. Where no category has two series, each has its place to itself.
     fn side_by_side(&self, figure: &Figure, trace: &Trace, names: &[String]) -> (Vec<f64>, f64) {
         let mut series: Vec<&str> = Vec::new();
+        let mut taken: Vec<(&str, &str)> = Vec::new();
+        let mut shared = false;
         for other in figure.panels.iter().flat_map(|panel| &panel.traces) {
-            if matches!(other, Trace::Categories { .. }) && !series.contains(&other.name()) {
-                series.push(other.name());
+            let Trace::Categories { name: own, x, .. } = other else { continue };
+            if !series.contains(&own.as_str()) {
+                series.push(own);
             }
+            for category in x {
+                shared |= taken.iter().any(|(one, by)| one == category && by != own);
+                taken.push((category, own));
+            }
+        }
+        if !shared {
+            series.clear();
         }
         let width = FILLED / series.len().max(1) as f64;
         let own = series.iter().position(|name| *name == trace.name()).unwrap_or(0) as f64;
@@ -337,6 +347,10 @@ mod tests {
         assert_eq!(json["traces"][1]["x"], serde_json::json!([1.2, 2.2]));
         assert_eq!(json["traces"][0]["kind"], "bars");
         assert_eq!(json["traces"][1]["kind"], "points");
+        let (json, _) =
+            plot(&figure(vec![bars("a", &["slow"], Mark::Bar), bars("b", &["fast"], Mark::Bar)]));
+        assert_eq!(json["traces"][0]["x"], serde_json::json!([0.0]));
+        assert_eq!(json["traces"][1]["x"], serde_json::json!([1.0]));
     }
 
     #[test]
