@@ -11,12 +11,14 @@ use serde::Serialize;
 
 use super::AxisStructure;
 use super::left_out::Whole;
+use super::naming::{AxisUnits, unknowns};
 use super::rows::rows_of;
 use super::search::{Best, Search};
 use super::shape::{PositionScale, Shape};
 use crate::IdentError;
 use crate::conditioning::Conditioned;
-use crate::statistics::{Sample, student_95_of};
+use crate::parameter_id::{ParameterId, Side};
+use crate::statistics::Sample;
 
 /// Share of the sum of squares by which a search must still fall to go on: structures differ by far
 /// more.
@@ -28,8 +30,6 @@ const OVER: f64 = 1e-3;
 const GUARD: usize = 15;
 /// Blocks where the recording is long enough for them.
 const USUAL: usize = 8;
-/// Share of the best error by which another may be larger and still count as alike.
-const ALIKE: f64 = 0.05;
 /// The guard of a recording of so few rows: its strongest neighbours.
 const SHORTEST_GUARD: usize = 3;
 
@@ -66,6 +66,20 @@ pub struct CrossValidation {
     pub relative_error: f64,
     /// Its standard error, from the spread of the blocks \[%\].
     pub standard_error: f64,
+    /// What friction does over the first speeds, by the fit.
+    pub first_speeds: FirstSpeeds,
+}
+
+/// What friction does over the first speeds, the likeliest first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FirstSpeeds {
+    /// It falls, as in a Stribeck dip, or stays as it is.
+    Falls,
+    /// It rises, in one direction by more than it falls in the other.
+    Rises,
+    /// It would begin below zero and drive the axis: no friction does.
+    Drives,
 }
 
 /// Predicts each of `blocks` contiguous blocks from the others.
@@ -109,6 +123,7 @@ pub fn cross_validate_beside(
         Some(simpler) => search.grown(&simpler.structure, simpler.shape, ENOUGH)?,
         None => search.whole()?,
     };
+    let first_speeds = first_speeds(&structure, &best);
     let whole = Whole::of(&mut search, &best)?;
     let mut squares = Vec::with_capacity(blocks);
     for block in 0..blocks {
@@ -126,7 +141,37 @@ pub fn cross_validate_beside(
     let standard_error = 100.0 * sum_error(&squares) / (2.0 * (sum * force_power).sqrt());
     let shape = best.shape;
     let blocks = squares;
-    Ok(CrossValidation { structure, shape, blocks, force_power, relative_error, standard_error })
+    Ok(CrossValidation {
+        structure,
+        shape,
+        blocks,
+        force_power,
+        relative_error,
+        standard_error,
+        first_speeds,
+    })
+}
+
+/// What the friction of a fit does over the first speeds.
+fn first_speeds(structure: &AxisStructure, best: &Best) -> FirstSpeeds {
+    let names = unknowns(structure, &AxisUnits::LINEAR);
+    let value = |id: ParameterId| {
+        let place = names.iter().position(|unknown| unknown.id == id)?;
+        best.solution.x.get(place).copied()
+    };
+    let (mut fall, mut rise, mut least) = (0.0, 0.0, f64::INFINITY);
+    for &side in Side::of(structure.asymmetric) {
+        let [f_s, f_c] = ["f_s", "f_c"].map(|name| value(ParameterId::new(name).side(side)));
+        if let (Some(f_s), Some(f_c)) = (f_s, f_c) {
+            (fall, rise) = (f64::max(fall, f_s - f_c), f64::max(rise, f_c - f_s));
+            least = f64::min(least, f_s);
+        }
+    }
+    match least < 0.0 {
+        true => FirstSpeeds::Drives,
+        false if rise > fall => FirstSpeeds::Rises,
+        false => FirstSpeeds::Falls,
+    }
 }
 
 /// Error of the prediction of the rows in `block` by a search without those in `out`.
@@ -146,161 +191,6 @@ fn searched(
 }
 
 /// Standard error of the sum of independent parts.
-fn sum_error(parts: &[f64]) -> f64 {
+pub(super) fn sum_error(parts: &[f64]) -> f64 {
     (parts.len() as f64 * Sample::of(parts.iter().copied()).variance()).sqrt()
-}
-
-/// A structure against the best one.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Ranked {
-    /// Its place in the list that was given.
-    pub index: usize,
-    /// Relative error less that of the best structure \[percentage points\].
-    pub excess: f64,
-    /// Standard error of the excess, from the differences block by block: what all structures find
-    /// hard cancels.
-    pub excess_error: f64,
-    /// Whether the excess is within one standard error.
-    pub within: bool,
-}
-
-/// What the comparison says.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Choice {
-    /// The structures from the best to the worst.
-    pub ranking: Vec<Ranked>,
-    /// Place in the given list of the best prediction.
-    pub best: usize,
-    /// Place in the given list of the structure to use.
-    pub chosen: usize,
-}
-
-/// Chooses by the one-standard-error rule (Breiman, Friedman, Olshen and Stone 1984): of the
-/// structures whose excess over the best is within one standard error, the one with the fewest
-/// parameters; of equals the better one. The standard error is that of the paired difference, and
-/// at most that of the best structure's own error: an excess that is uncertain because it is large
-/// gives no leave. A structure that predicts worse than one with no more parameters is never
-/// chosen.
-///
-/// None for an empty list, or for structures with different numbers of blocks.
-pub fn choose(scores: &[CrossValidation]) -> Option<Choice> {
-    let best = (0..scores.len())
-        .min_by(|&a, &b| scores[a].relative_error.total_cmp(&scores[b].relative_error))?;
-    let winner = &scores[best];
-    if scores.iter().any(|score| score.blocks.len() != winner.blocks.len()) {
-        return None;
-    }
-    let mut ranking: Vec<Ranked> = scores
-        .iter()
-        .enumerate()
-        .map(|(index, score)| {
-            let difference: Vec<f64> =
-                score.blocks.iter().zip(&winner.blocks).map(|(a, b)| a - b).collect();
-            let (a, b) = (score.blocks.iter().sum::<f64>(), winner.blocks.iter().sum::<f64>());
-            let root = winner.force_power.sqrt() * (a.sqrt() + b.sqrt());
-            let percent = |value: f64| if root > 0.0 { 100.0 * value / root } else { 0.0 };
-            let (excess, excess_error) = (percent(a - b), percent(sum_error(&difference)));
-            let chance = student_95_of(winner.blocks.len().saturating_sub(1) as f64) * excess_error;
-            let within =
-                excess <= chance.min(winner.standard_error).min(ALIKE * winner.relative_error);
-            Ranked { index, excess, excess_error, within }
-        })
-        .collect();
-    ranking.sort_by(|a, b| a.excess.total_cmp(&b.excess));
-    let parameters = |ranked: &Ranked| scores[ranked.index].structure.parameters();
-    let within = ranking.iter().filter(|ranked| ranked.within);
-    let beaten = |ranked: &Ranked| {
-        let better = |other: &Ranked| other.excess < ranked.excess;
-        ranking.iter().any(|other| better(other) && parameters(other) <= parameters(ranked))
-    };
-    let chosen = within
-        .filter(|ranked| !beaten(ranked))
-        .min_by(|a, b| parameters(a).cmp(&parameters(b)).then(a.excess.total_cmp(&b.excess)))?;
-    let chosen = chosen.index;
-    Some(Choice { ranking, best, chosen })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn score(structure: AxisStructure, blocks: &[f64]) -> CrossValidation {
-        let sum: f64 = blocks.iter().sum();
-        CrossValidation {
-            structure,
-            shape: Shape { delay: 0.0, v_s: 1.0, displacement: 1.0, period: 1.0 },
-            blocks: blocks.to_vec(),
-            force_power: 1.0,
-            relative_error: 100.0 * sum.sqrt(),
-            standard_error: 100.0 * sum_error(blocks) / (2.0 * sum.sqrt()),
-        }
-    }
-
-    /// Differences of 1e-4, 3e-4, 1e-4, 3e-4: their sum is 8e-4 with a standard error of sqrt(4 *
-    /// 4/3) e-4.
-    #[test]
-    fn the_excess_is_paired_block_by_block() {
-        let best = score(
-            AxisStructure { delay: true, ..AxisStructure::ASYMMETRIC },
-            &[0.01, 0.02, 0.01, 0.05],
-        );
-        let other = score(AxisStructure::ASYMMETRIC, &[0.0101, 0.0203, 0.0101, 0.0503]);
-        let choice = choose(&[other.clone(), best.clone()]).unwrap();
-        assert_eq!((choice.best, choice.chosen), (1, 1));
-        let worse = choice.ranking[1];
-        let root = 0.09f64.sqrt() + 0.0908f64.sqrt();
-        assert!((worse.excess - 100.0 * 8e-4 / root).abs() < 1e-9, "{worse:?}");
-        assert!(
-            (worse.excess_error - 100.0 * (16.0f64 / 3.0).sqrt() * 1e-4 / root).abs() < 1e-9,
-            "{worse:?}"
-        );
-        assert!((worse.excess - (other.relative_error - best.relative_error)).abs() < 1e-9);
-    }
-
-    #[test]
-    fn of_equally_good_structures_the_simplest_is_chosen() {
-        let rich = AxisStructure { delay: true, stribeck: true, ..AxisStructure::ASYMMETRIC };
-        let scores = [
-            score(rich, &[0.01, 0.02, 0.03]),
-            score(AxisStructure::ASYMMETRIC, &[0.011, 0.0195, 0.03]),
-        ];
-        let choice = choose(&scores).unwrap();
-        assert_eq!((choice.chosen, choice.rivals().collect()), (1, vec![0]));
-        assert_eq!(choose(&[]), None);
-    }
-
-    /// 13 % beside 6.6 %, because of one block that the simple structure cannot predict at all: the
-    /// excess is as uncertain as it is large.
-    #[test]
-    fn a_structure_that_is_worse_is_not_chosen_because_its_excess_is_uncertain() {
-        let rich = AxisStructure { delay: true, stribeck: true, ..AxisStructure::ASYMMETRIC };
-        let middle = AxisStructure { delay: true, ..AxisStructure::ASYMMETRIC };
-        let best = score(rich, &[0.0006, 0.0005, 0.0006, 0.0005, 0.0006, 0.0005, 0.0006, 0.0005]);
-        let worst = score(
-            AxisStructure::SYMMETRIC,
-            &[0.0006, 0.0005, 0.0006, 0.0135, 0.0006, 0.0005, 0.0006, 0.0005],
-        );
-        let choice = choose(&[worst.clone(), best.clone()]).unwrap();
-        assert!(choice.ranking[1].excess <= choice.ranking[1].excess_error, "{choice:?}");
-        assert_eq!(choice.chosen, 1);
-        // One that is sure to be a little worse does not make room for one that may be much worse.
-        let blocks = best.blocks.iter().map(|block| block + 2e-6).collect::<Vec<_>>();
-        let choice = choose(&[worst, score(middle, &blocks), best]).unwrap();
-        assert_ne!(choice.chosen, 0, "{choice:?}");
-    }
-
-    /// Its excess is uncertain, that of a simpler structure is smaller and sure.
-    #[test]
-    fn a_structure_is_never_worse_than_a_simpler_one() {
-        let rich = AxisStructure { delay: true, stribeck: true, ..AxisStructure::ASYMMETRIC };
-        let middle = AxisStructure { delay: true, ..AxisStructure::ASYMMETRIC };
-        let best = score(rich, &[0.010, 0.020, 0.010, 0.050]);
-        let simple = score(AxisStructure::ASYMMETRIC, &[0.0101, 0.0201, 0.0101, 0.0501]);
-        let unsure = score(middle, &[0.010, 0.015, 0.013, 0.0535]);
-        let choice = choose(&[unsure, simple, best]).unwrap();
-        let place = |index| choice.ranking.iter().find(|ranked| ranked.index == index).unwrap();
-        assert!(place(0).excess <= place(0).excess_error && place(0).excess > place(1).excess);
-        assert!(place(1).excess > place(1).excess_error);
-        assert_eq!(choice.chosen, 2);
-    }
 }

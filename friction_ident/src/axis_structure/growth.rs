@@ -5,10 +5,11 @@
 //! that it has come by, to all that have one part more (stepwise selection; Efroymson 1960), judged by
 //! the cross-validation and not by the fit. Several at once, because the part that
 //! helps most alone need not belong to those that help most together. It ends where no further part
-//! is worth its while. A force that repeats along the axis comes last: its period is dear to search,
+//! is worth its while. Where the best has friction that rises over the first speeds, which is seldom
+//! true, the search goes on from the best of the others too. A force that repeats along the axis comes last: its period is dear to search,
 //! and before the rest of the model is right it takes up what belongs elsewhere.
 
-use super::{AxisStructure, CrossValidation};
+use super::{AxisStructure, CrossValidation, FirstSpeeds};
 
 /// What a part must gain for the search to go on from a structure that has it, as a share of the
 /// error: smaller ones are the luck of the blocks.
@@ -34,20 +35,24 @@ pub fn next(
         let first = AxisStructure::SYMMETRIC;
         return if refused.contains(&first) { vec![] } else { vec![first] };
     }
-    let error_of = |structure: &AxisStructure| {
-        scores.iter().find(|score| score.structure == *structure).map(|score| score.relative_error)
-    };
+    let of = |structure: &AxisStructure| scores.iter().find(|score| score.structure == *structure);
+    let error_of = |structure: &AxisStructure| of(structure).map(|score| score.relative_error);
     let worth_it = |score: &&CrossValidation| {
         let simpler = score.structure.neighbours().into_iter();
         let simpler = simpler.filter(|other| other.parameters() < score.structure.parameters());
-        let before = simpler.filter_map(|other| error_of(&other)).reduce(f64::min);
+        let before = simpler.filter_map(|other| of(&other));
+        let before = before.filter(|before| before.first_speeds <= score.first_speeds);
+        let before = before.map(|before| before.relative_error).reduce(f64::min);
         before.is_none_or(|before| score.relative_error <= WORTH * before)
     };
     let mut best: Vec<&CrossValidation> = scores.iter().filter(worth_it).collect();
     best.sort_by(|a, b| a.relative_error.total_cmp(&b.relative_error));
     let richer = |beam: usize, harmonic: bool| {
         let mut wanted: Vec<AxisStructure> = Vec::new();
-        for score in best.iter().take(beam) {
+        let falling =
+            best.iter().filter(|score| score.first_speeds == FirstSpeeds::Falls).take(beam);
+        let rising = best.first().filter(|score| score.first_speeds != FirstSpeeds::Falls);
+        for score in falling.chain(rising) {
             let known = |near: &AxisStructure| refused.contains(near) || error_of(near).is_some();
             // A bristle is tried alone first, and with its damping where that is worth nothing.
             let in_turn = |near: &AxisStructure| {
@@ -78,7 +83,15 @@ mod tests {
         let blocks = vec![relative_error; 4];
         let shape = Shape { delay: 0.0, v_s: 1.0, displacement: 1.0, period: 1.0 };
         let (force_power, standard_error) = (1.0, 0.1);
-        CrossValidation { structure, shape, blocks, force_power, relative_error, standard_error }
+        CrossValidation {
+            structure,
+            shape,
+            blocks,
+            force_power,
+            relative_error,
+            standard_error,
+            first_speeds: FirstSpeeds::Falls,
+        }
     }
 
     /// Of each part what it takes off the error; two of them only together.
@@ -128,6 +141,29 @@ mod tests {
         let scores = [score(first, 10.0), score(bristle, 5.0), score(of_place, 6.0)];
         let wanted = next(&scores, &[], |_| true);
         assert!(wanted.contains(&damped) && !wanted.contains(&damped_there), "{wanted:?}");
+    }
+
+    /// The best has a dip upside down: what the others can do is looked at too.
+    #[test]
+    fn friction_that_rises_does_not_take_the_place_of_the_others() {
+        let first = AxisStructure::SYMMETRIC;
+        let dip = AxisStructure { stribeck: true, ..first };
+        let late = AxisStructure { delay: true, ..dip };
+        let rising = |structure, error| CrossValidation {
+            first_speeds: FirstSpeeds::Rises,
+            ..score(structure, error)
+        };
+        let bristle = AxisStructure { presliding: true, ..first };
+        let scores = [
+            score(first, 10.0),
+            rising(dip, 5.0),
+            rising(late, 4.0),
+            score(bristle, 8.0),
+            score(AxisStructure { delay: true, ..first }, 9.0),
+        ];
+        let wanted = next(&scores, &[], |_| true);
+        assert!(wanted.contains(&AxisStructure { presliding: true, ..late }), "{wanted:?}");
+        assert!(wanted.contains(&AxisStructure { delay: true, ..bristle }), "{wanted:?}");
     }
 
     #[test]

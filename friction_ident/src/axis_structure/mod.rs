@@ -25,6 +25,7 @@
 //! sensor; a gain error of the force scale from all other forces at once (only ratios to the gain
 //! are known); the half sample that a held output adds to the delay from the drive's own.
 
+mod choice;
 pub mod closed_loop;
 mod cross_validation;
 mod doubts;
@@ -43,8 +44,9 @@ mod stability;
 mod waves;
 
 pub use crate::structure::{AxisStructure, UnknownStructure};
+pub use choice::{Choice, Ranked, choose};
 pub use cross_validation::{
-    Choice, CrossValidation, Ranked, blocks_for, choose, cross_validate, cross_validate_beside,
+    CrossValidation, FirstSpeeds, blocks_for, cross_validate, cross_validate_beside,
 };
 pub use fit::{StructureFit, fit_structure};
 pub use naming::AxisUnits;

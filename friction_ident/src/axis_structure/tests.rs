@@ -88,6 +88,22 @@ fn the_true_parameters_lie_in_the_intervals() {
     assert!(fit.effective_share > 0.5, "white noise is worth its samples: {}", fit.effective_share);
 }
 
+#[test]
+fn what_friction_does_over_the_first_speeds_is_told() {
+    let told = |f_s: f64| {
+        let near = move |v: f64| (-(v / V_S).powi(2)).exp();
+        let friction = move |v: f64| v.signum() * (6.0 + (f_s - 6.0) * near(v)) + 9.0 * v;
+        let recording = axis(friction, 0.0, 0.2);
+        cross_validate(&recording, structure("symmetric+stribeck"), 8).unwrap().first_speeds
+    };
+    assert_eq!(told(8.0), FirstSpeeds::Falls);
+    assert_eq!(told(4.0), FirstSpeeds::Rises);
+    assert_eq!(told(-3.0), FirstSpeeds::Drives);
+    let recording = axis(coulomb, 0.0, 0.2);
+    let plain = cross_validate(&recording, AxisStructure::SYMMETRIC, 8).unwrap();
+    assert_eq!(plain.first_speeds, FirstSpeeds::Falls);
+}
+
 /// A force that was recorded 3 ms late lies below zero; at once is no delay below zero in noise.
 #[test]
 fn a_force_is_late_only_where_that_explains_much() {

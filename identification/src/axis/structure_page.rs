@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use friction_ident::axis_structure::{AxisStructure, Ranked};
+use friction_ident::axis_structure::{AxisStructure, CrossValidation, FirstSpeeds, Ranked};
 use friction_ident::robust_covariance::METHOD;
 use friction_ident::{IdentError, Prediction};
 use serde_json::{Value, json};
@@ -78,6 +78,16 @@ pub fn remark(chosen: bool, warned: bool) -> String {
     }
 }
 
+/// Why a structure that predicts better than the chosen one was passed over.
+fn disbelieved(ranked: &Ranked, score: &CrossValidation) -> Option<&'static str> {
+    match score.first_speeds {
+        _ if ranked.excess >= 0.0 => None,
+        FirstSpeeds::Falls => None,
+        FirstSpeeds::Rises => Some("passed over: friction rises over the first speeds"),
+        FirstSpeeds::Drives => Some("passed over: friction begins below zero"),
+    }
+}
+
 fn ranking(found: &Structured, warned: &[AxisStructure]) -> Table {
     let is_chosen = |ranked: &Ranked| ranked.index == found.choice.chosen;
     let all = &found.choice.ranking;
@@ -89,12 +99,15 @@ fn ranking(found: &Structured, warned: &[AxisStructure]) -> Table {
             score.structure.parameters().to_string(),
             format!("{:.3} ± {:.3}", score.relative_error, score.standard_error),
             format!("{:.3} ± {:.3}", ranked.excess, ranked.excess_error),
-            remark(is_chosen(ranked), warned.contains(&score.structure)),
+            match disbelieved(ranked, score) {
+                Some(why) => why.to_owned(),
+                None => remark(is_chosen(ranked), warned.contains(&score.structure)),
+            },
         ])
     });
     Table {
         title: "Structures, the chosen one first".to_owned(),
-        caption: "Then by the error. Relative error of the prediction of unseen blocks with its standard error, and the excess over the best with the standard error of the paired difference."
+        caption: "Then by the error. Relative error of the prediction of unseen blocks with its standard error, and the excess over the best with the standard error of the paired difference. What is passed over may predict better here: a rise is believed only where it takes off a quarter of the error."
             .to_owned(),
         columns: ["structure", "parameters", "cross-validated error [%]", "excess [%]", "remark"].map(str::to_owned).to_vec(),
         rows: rows.collect(),
