@@ -113,9 +113,10 @@ def starts(folder, count):
         for _ in range(count):
             events.clear()
             with Processes(folder) as programs:
-                programs.start("friction_observer")
+                observer = programs.start("friction_observer")
                 ros.until(lambda: [e for e in events if e.node == "/friction_observer" and e.new_parameters], 15)
-                new = [{p.name for p in e.new_parameters} for e in events if e.node == "/friction_observer" and e.new_parameters]
+                programs.end(observer)
+            new = [{p.name for p in e.new_parameters} for e in events if e.node == "/friction_observer" and e.new_parameters]
             heard.append(len(new) == 1 and {"model", "use_sim_time", "start_type_description_service"} <= new[0])
     return heard
 
