@@ -34,7 +34,8 @@ const FEET: &str = "
   with `$ROS_DISTRO` (`src/distributions.rs`): over DDS it sends what it sends for Kilted.
 * **Cyclone DDS** is `cyclonedds` 11.0.1 of PyPI with what `rmw_cyclonedds` puts on it, the same for
   every distribution. `rmw_cyclonedds_cpp` itself was not at hand.
-* **Zenoh**: the nodes speak DDS only. [Why](../explanation/ros2.md#zenoh).
+* **Zenoh**: the nodes speak DDS only. [What was tried, and what is in the
+  way](../explanation/ros2.md#zenoh).
 ";
 
 fn frictionlab() -> String {
