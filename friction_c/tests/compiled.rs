@@ -31,13 +31,15 @@ const MEMORY: &str = "address,undefined";
 
 /// Compiles a source of this folder with all warnings and both sanitizers of memory.
 fn compiled(source: &str, library: Library, into: &TempDir) -> Command {
-    built(&[here().join(source)], &[], MEMORY, library, into)
+    built(&[here().join(source)], &[], &[], MEMORY, library, into)
 }
 
-/// Compiles sources with all warnings and some sanitizers.
+/// Compiles sources with all warnings and some sanitizers. Headers are looked for in `include`, then
+/// in the folders that `flags` name.
 fn built(
     sources: &[PathBuf],
     include: &[PathBuf],
+    flags: &[OsString],
     sanitizers: &str,
     library: Library,
     into: &TempDir,
@@ -58,6 +60,7 @@ fn built(
                 .chain([&here().join("include")])
                 .flat_map(|folder| [OsString::from("-I"), folder.into()]),
         )
+        .args(flags)
         .args(sources)
         .arg("-o")
         .arg(&program);
@@ -206,13 +209,22 @@ fn the_example_in_cplusplus_reads_the_files_of_the_programs() {
     }
 }
 
-/// Programs of the controller for ros2_control, in the folder of its package.
-fn of_the_controller(sources: &[&str], include: &[&str], sanitizers: &str) -> String {
-    let package = here().join("../ros/friction_compensation_controller");
-    let within = |names: &[&str]| names.iter().map(|name| package.join(name)).collect::<Vec<_>>();
+/// The package of the controller for ros2_control.
+fn controller() -> PathBuf {
+    here().join("../ros/friction_compensation_controller")
+}
+
+/// Declarations of our own, where no other header of the name is found.
+fn declared() -> [OsString; 2] {
+    ["-idirafter".into(), controller().join("test/declared").into()]
+}
+
+/// Programs of the controller.
+fn of_the_controller(sources: &[&str], flags: &[OsString], sanitizers: &str) -> String {
+    let sources: Vec<_> = sources.iter().map(|name| controller().join(name)).collect();
+    let include = [controller().join("include")];
     let folder = tempfile::tempdir().unwrap();
-    let mut program =
-        built(&within(sources), &within(include), sanitizers, Library::Static, &folder);
+    let mut program = built(&sources, &include, flags, sanitizers, Library::Static, &folder);
     program.arg(here().join("../launch_configs/config/friction_observer.yaml"));
     said(program, "")
 }
@@ -221,16 +233,30 @@ fn of_the_controller(sources: &[&str], include: &[&str], sanitizers: &str) -> St
 fn the_core_of_the_controller_adds_friction_and_never_more_than_it_may() {
     for sanitizers in [MEMORY, "thread"] {
         let sources = ["test/compensation_test.cpp", "src/compensation.cpp"];
-        assert_eq!(of_the_controller(&sources, &["include"], sanitizers), "passed\n");
+        assert_eq!(of_the_controller(&sources, &[], sanitizers), "passed\n");
     }
 }
 
 /// Not that it builds with ros2_control: see `test/declared/README.md` there.
 #[test]
 fn the_code_of_the_plugin_does_what_it_says_against_declarations_of_our_own() {
-    let sources = ["test/controller_test.cpp", "src/controller.cpp", "src/compensation.cpp"];
-    let include = ["include", "test/declared"];
-    assert_eq!(of_the_controller(&sources, &include, MEMORY), "passed\n");
+    assert_eq!(of_the_controller(&PLUGIN, &declared(), MEMORY), "passed\n");
+}
+
+const PLUGIN: [&str; 3] =
+    ["test/controller_test.cpp", "src/controller.cpp", "src/compensation.cpp"];
+
+/// The messages are those that the generators of ROS make; the rest is declared by us.
+#[tests::needs(rclpy)]
+#[test]
+fn the_code_of_the_plugin_takes_the_messages_that_ros_generates() {
+    let python = tests::python::interpreter("rclpy");
+    let generated = python.parent().unwrap().parent().unwrap().join("include");
+    let folders = generated.read_dir().unwrap().map(|folder| folder.unwrap().path());
+    let mut flags = vec![OsString::from("-DGENERATED_MESSAGES")];
+    flags.extend(folders.flat_map(|folder| [OsString::from("-isystem"), folder.into()]));
+    flags.extend(declared());
+    assert_eq!(of_the_controller(&PLUGIN, &flags, MEMORY), "passed\n");
 }
 
 /// A number as `%a` prints it.

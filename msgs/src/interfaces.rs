@@ -173,7 +173,7 @@ pub const SERVICES: [Served; 9] = [
 ];
 
 /// Services that every node has, behind its name.
-pub const EVERY_NODE: [(&str, &str, &str); 11] = [
+pub const EVERY_NODE: [(&str, &str, &str); 12] = [
     (
         "change_state",
         "lifecycle_msgs/srv/ChangeState",
@@ -200,6 +200,11 @@ pub const EVERY_NODE: [(&str, &str, &str); 11] = [
         "set_parameters_atomically",
         "rcl_interfaces/srv/SetParametersAtomically",
         "all or none, for values that only fit together",
+    ),
+    (
+        "get_type_description",
+        "type_description_interfaces/srv/GetTypeDescription",
+        "fields, hash and source of a type that the node uses, by its hash",
     ),
 ];
 

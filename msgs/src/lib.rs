@@ -7,13 +7,14 @@
 //!
 //! - [`message`]: what a message type knows about itself: name, definition, hash, rosbag2 schema;
 //! - [`cdr`]: bytes on the wire and in bags;
+//! - [`descriptions`]: types as ROS describes them, with the files they stand in;
 //! - [`type_hashes`]: what ROS announces of the types of endpoints;
 //! - [`topics`]: which topics there are, with type and quality of service;
 //! - [`interfaces`]: topics, services and actions of every node, for documentation and tests;
 //! - [`friction_msgs`], [`sensor_msgs`], [`std_msgs`], [`builtin_interfaces`], [`diagnostic_msgs`]:
 //!   the types;
-//! - [`std_srvs`], [`lifecycle_msgs`], [`rosgraph_msgs`]: those of standard services, managed nodes
-//!   and the simulated clock.
+//! - [`std_srvs`], [`lifecycle_msgs`], [`rosgraph_msgs`], [`type_description_interfaces`]: those of
+//!   standard services, managed nodes, the simulated clock and described types.
 //!
 //! ```
 //! use msgs::{RosMessage, cdr, friction_msgs::MotorVoltage, std_msgs::Header};
@@ -33,6 +34,7 @@ struct Readme;
 
 pub mod builtin_interfaces;
 pub mod cdr;
+pub mod descriptions;
 pub mod diagnostic_msgs;
 pub mod friction_msgs;
 pub mod interfaces;
@@ -44,6 +46,7 @@ pub mod sensor_msgs;
 pub mod std_msgs;
 pub mod std_srvs;
 pub mod topics;
+pub mod type_description_interfaces;
 pub mod type_hashes;
 
 pub use message::{Definition, Payload, RosAction, RosMessage, RosService};

@@ -3,11 +3,12 @@
 
 mod trace;
 
-use std::{collections::BTreeSet, fmt::Write as _, fs, path::Path};
+use std::{collections::BTreeSet, fs, path::Path};
 
 use msgs::{
     Definition, RosAction, RosMessage, RosService,
     builtin_interfaces::Time,
+    descriptions,
     diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue},
     friction_msgs::{
         ControllerState, EstimatedParameter, ExperimentDescription, ExperimentParameter,
@@ -28,8 +29,8 @@ use msgs::{
     sensor_msgs::JointState,
     std_msgs::Header,
     std_srvs::{Trigger, TriggerRequest, TriggerResponse},
+    type_description_interfaces::{self, GetTypeDescription},
 };
-use sha2::{Digest, Sha256};
 use trace::Leaf;
 
 /// Calls a generic function for each message type.
@@ -78,6 +79,14 @@ macro_rules! for_each_message {
         $check::<IdentifyResponse>();
         $check::<TriggerRequest>();
         $check::<TriggerResponse>();
+        $check::<type_description_interfaces::FieldType>();
+        $check::<type_description_interfaces::Field>();
+        $check::<type_description_interfaces::IndividualTypeDescription>();
+        $check::<type_description_interfaces::TypeDescription>();
+        $check::<type_description_interfaces::TypeSource>();
+        $check::<type_description_interfaces::KeyValue>();
+        $check::<type_description_interfaces::GetTypeDescriptionRequest>();
+        $check::<type_description_interfaces::GetTypeDescriptionResponse>();
     };
 }
 
@@ -97,11 +106,14 @@ fn statements(text: &str) -> impl Iterator<Item = &str> {
 /// The fields; a definition without any has the one that ROS gives it.
 fn fields(text: &str) -> Vec<Field<'_>> {
     let mut fields: Vec<_> = statements(text)
-        .filter(|line| !line.contains('='))
+        .filter(|line| !line.replace("<=", "").contains('='))
         .map(|line| {
-            let (kind, name) = line.split_once(' ').expect("a field is a type and a name");
+            let mut words = line.split_whitespace();
+            let [kind, name] = [(); 2].map(|()| words.next().expect("a type and a name"));
             let base = kind.strip_suffix("[]").unwrap_or(kind);
-            Field { name: name.trim(), base, sequence: base.len() != kind.len() }
+            // A bound changes nothing on the wire.
+            let plain = base.split("<=").next().unwrap_or(base);
+            Field { name, base: plain, sequence: base.len() != kind.len() }
         })
         .collect();
     if fields.is_empty() {
@@ -217,62 +229,15 @@ fn dependencies_are_complete_and_each_once() {
     for_each_message!(check);
 }
 
-/// Type description of REP-2016 as JSON, the text its hash is taken of.
-fn description(name: &str, text: &str) -> String {
-    let mut json = format!("{{\"type_name\": \"{name}\", \"fields\": [");
-    for (index, field) in fields(text).iter().enumerate() {
-        let (id, nested) = match field.base {
-            "uint8" => (3, String::new()),
-            "int32" => (6, String::new()),
-            "uint32" => (7, String::new()),
-            "int64" => (8, String::new()),
-            "uint64" => (9, String::new()),
-            "float64" => (11, String::new()),
-            "bool" => (15, String::new()),
-            "byte" => (16, String::new()),
-            "string" => (17, String::new()),
-            nested => (1, nested.replace('/', "/msg/")),
-        };
-        let id = if field.sequence { id + 144 } else { id };
-        let comma = if index == 0 { "" } else { ", " };
-        write!(
-            json,
-            "{comma}{{\"name\": \"{}\", \"type\": {{\"type_id\": {id}, \"capacity\": 0, \"string_capacity\": 0, \
-             \"nested_type_name\": \"{nested}\"}}}}",
-            field.name
-        )
-        .expect("a string takes everything");
-    }
-    json + "]}"
-}
-
 #[test]
 fn hashes_are_those_of_the_definitions() {
     fn check<M: RosMessage>() {
-        let mut dependencies: Vec<_> = M::DEPENDENCIES.to_vec();
-        dependencies.sort_by_key(|d| (d.package, d.name));
-        let referenced: Vec<_> = dependencies
-            .iter()
-            .map(|d| description(&format!("{}/msg/{}", d.package, d.name), d.text))
-            .collect();
-        let json = format!(
-            "{{\"type_description\": {}, \"referenced_type_descriptions\": [{}]}}",
-            description(&M::type_name(), M::DEFINITION.text),
-            referenced.join(", ")
-        );
-        let mut hash = "RIHS01_".to_owned();
-        for byte in Sha256::digest(json.as_bytes()) {
-            write!(hash, "{byte:02x}").expect("a string takes everything");
-        }
-        assert_eq!(M::TYPE_HASH, hash, "{}", M::type_name());
+        let name = M::type_name();
+        assert_eq!(M::TYPE_HASH, descriptions::all()[&name].hash, "{name}");
+        let described = descriptions::message::<M>().expect("it is read");
+        assert_eq!(described, descriptions::all()[&name]);
     }
     for_each_message!(check);
-    // The hash that ROS itself publishes for this type, so that the rule above is known to be the
-    // right one.
-    assert_eq!(
-        Time::TYPE_HASH,
-        "RIHS01_b106235e25a4c5ed35098aa0a61a3ee9c9b18d197f398b0e4206cea9acf9c197"
-    );
 }
 
 #[test]
@@ -331,6 +296,7 @@ fn the_parts_of_services_and_actions_are_named_as_ros_names_them() {
     service::<ListExperiments>();
     service::<Identify>();
     service::<Trigger>();
+    service::<GetTypeDescription>();
     let name = |part| format!("{}/action/{}_{part}", RunExperiment::PACKAGE, RunExperiment::NAME);
     assert_eq!(<RunExperiment as RosAction>::Goal::type_name(), name("Goal"));
     assert_eq!(<RunExperiment as RosAction>::Result::type_name(), name("Result"));

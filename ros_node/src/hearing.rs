@@ -3,7 +3,8 @@
 //! A request may come before this process has found the reader that waits for its answer: the two
 //! are told on different ways. RustDDS 0.15 leaves out for a reader what was written before it was
 //! found, for good, so the client would wait for ever. The middlewares of rclcpp and rclpy hold
-//! such an answer back for a moment; so do the nodes here.
+//! such an answer back for a moment; so do the nodes here. What a node says of its parameters at its
+//! start waits likewise for those who listen.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -26,16 +27,30 @@ use crate::{
 /// Longest time an answer is held back. Then it is sent to whoever is there: its client has gone,
 /// or listens with a quality of service that cannot be served.
 const LONGEST: Duration = Duration::from_secs(10);
+/// What the name of a topic with events of parameters ends with.
+pub(crate) const PARAMETER_EVENTS: &str = "/parameter_events";
+/// How long the first event of a node waits for its listeners.
+pub(crate) const FOR_LISTENERS: ForListeners =
+    ForListeners { longest: Duration::from_secs(5), quiet: Duration::from_millis(300) };
 /// Answers of one service that are held back at most; what comes then is sent at once.
 pub(crate) const MOST_HELD: usize = 100;
 
-/// The readers of answers and requests that this process has found.
+/// A wait for listeners.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ForListeners {
+    /// It ends then, whoever is there.
+    longest: Duration,
+    /// Once somebody listens, it ends when nobody new has been found for so long.
+    quiet: Duration,
+}
+
+/// The readers of answers, requests and events of parameters that this process has found.
 #[derive(Default)]
 pub(crate) struct Hearers(watch::Sender<Readers>);
 
 #[derive(Default)]
 struct Readers {
-    /// Topics of all readers of answers that were told of.
+    /// Topics of all readers of answers and events of parameters that were told of.
     topics: BTreeMap<GUID, String>,
     /// Those that a writer of this process sends to.
     found: BTreeSet<GUID>,
@@ -63,7 +78,10 @@ impl Hearers {
             lagging.take(&event, &graph);
             ROS.take(&event);
             match event {
-                Event::ReaderDetected { reader } if reader.topic_name.starts_with(ANSWERS) => {
+                Event::ReaderDetected { reader }
+                    if reader.topic_name.starts_with(ANSWERS)
+                        || reader.topic_name.ends_with(PARAMETER_EVENTS) =>
+                {
                     self.0.send_modify(|readers| readers.told(reader.guid, reader.topic_name));
                 }
                 Event::ReaderDetected { reader } if reader.topic_name.starts_with(REQUESTS) => {
@@ -94,6 +112,19 @@ impl Hearers {
         self.0.borrow().hear(GUID::from(request.writer_gid), topic)
     }
 
+    /// Waits until somebody listens to the topic and the others that are there have been found too,
+    /// but not for long.
+    pub(crate) async fn until_listened_to(&self, topic: &str, wait: ForListeners) {
+        let mut readers = self.0.subscribe();
+        let quiet = async {
+            if readers.wait_for(|readers| readers.listen(topic)).await.is_ok() {
+                while let Ok(Ok(())) = tokio::time::timeout(wait.quiet, readers.changed()).await {}
+            }
+        };
+        // Both ways it is told.
+        let _ = tokio::time::timeout(wait.longest, quiet).await;
+    }
+
     /// Whether somebody takes requests on `topic`, and all that do are of Cyclone DDS.
     pub(crate) fn are_of_cyclone(&self, topic: &str) -> bool {
         self.0.borrow().are_of_cyclone(topic)
@@ -117,6 +148,10 @@ impl Readers {
     fn are_of_cyclone(&self, topic: &str) -> bool {
         let mut servers = self.servers.iter().filter(|(_, of)| *of == topic).peekable();
         servers.peek().is_some() && servers.all(|(reader, _)| ROS.is_cyclone(*reader))
+    }
+
+    fn listen(&self, topic: &str) -> bool {
+        self.found.iter().any(|reader| self.topics.get(reader).is_some_and(|of| of == topic))
     }
 
     fn found(&mut self, reader: GUID) -> bool {
@@ -147,6 +182,11 @@ impl Readers {
         }
         self.found.iter().any(|reader| reader.prefix == client.prefix && listens(reader))
     }
+}
+
+/// The topic of that absolute name, as DDS has it.
+pub(crate) fn topic_of(name: &str) -> String {
+    format!("rt{name}")
 }
 
 /// The topic on which a service of that absolute name answers, as DDS has it.
@@ -238,6 +278,28 @@ mod tests {
         assert!(!readers.are_of_cyclone("rq/pingRequest"), "one of another middleware serves too");
         readers.lost(|lost| *lost == other);
         assert!(readers.are_of_cyclone("rq/pingRequest"));
+    }
+
+    #[test]
+    fn the_first_event_waits_for_who_listens_and_then_for_the_others() {
+        const NEVER: Duration = Duration::from_secs(3600);
+        let hearers = Hearers::default();
+        let topic = topic_of("/axis_1/parameter_events");
+        assert_eq!(topic, "rt/axis_1/parameter_events");
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build();
+        runtime.expect("a runtime").block_on(async {
+            let wait =
+                |longest, quiet| hearers.until_listened_to(&topic, ForListeners { longest, quiet });
+            let moment = Duration::from_millis(20);
+            let waits = |wait| tokio::time::timeout(moment, wait);
+            wait(Duration::ZERO, NEVER).await;
+            assert!(waits(wait(NEVER, Duration::ZERO)).await.is_err(), "nobody listens");
+            hearers.0.send_modify(|readers| readers.told(endpoint(1, 1, READER), topic.clone()));
+            assert!(waits(wait(NEVER, Duration::ZERO)).await.is_err(), "told of, not yet found");
+            hearers.0.send_modify(|readers| _ = readers.found(endpoint(1, 1, READER)));
+            wait(NEVER, Duration::ZERO).await;
+            assert!(waits(wait(NEVER, NEVER)).await.is_err(), "there may be others");
+        });
     }
 
     #[test]

@@ -7,7 +7,7 @@
 //!   unless told otherwise;
 //! - [`Participant`]: the process on the network, with the runtime its nodes' background work runs
 //!   on;
-//! - [`RosNode`]: a node that publishes, listens, answers and leaves cleanly;
+//! - [`RosNode`]: a node that publishes, listens, answers, describes its types and leaves cleanly;
 //! - [`Publisher`]: a typed publisher whose quality of service comes from [`msgs::topics`];
 //! - [`ServiceClient`], [`RemoteParameters`]: asking other nodes;
 //! - [`ActionServer`]: requests that take their time, see [`RosNode::serve_action`];
@@ -88,6 +88,7 @@ pub mod terminal;
 pub mod timing;
 mod turn;
 mod twins;
+mod types;
 
 pub use ::parameters::ParameterValue;
 pub use ::parameters::file as parameter_file;

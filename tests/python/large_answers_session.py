@@ -11,6 +11,7 @@ import json
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 from friction_msgs.action import RunExperiment
 from friction_msgs.msg import FrictionEstimate, Setting
@@ -26,6 +27,7 @@ from rclpy.serialization import serialize_message
 from ros_calls import SIGNAL, caller, value
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
+from type_description_interfaces.srv import GetTypeDescription
 
 MANAGED = ("rig_driver", "friction_observer", "controller")
 NODES = (*MANAGED, "experiment_runner")
@@ -70,6 +72,15 @@ class Asker:
         texts = [name for name, was in zip(names, got.values) if was.type == ParameterType.PARAMETER_STRING]
         long = [Parameter(name=name, value=value(TEXT)) for name in texts]
         self.ask(SetParameters, f"{node}/set_parameters", SetParameters.Request(parameters=long), " of long texts")
+
+    def type_of_parameters(self, node):
+        """What the largest type is that every node uses, with the texts of its files."""
+        generated = Path(sys.prefix) / "share/rcl_interfaces/srv/SetParameters.json"
+        [of_type, *_] = json.loads(generated.read_text(encoding="utf-8"))["type_hashes"]
+        request = GetTypeDescription.Request(type_name=of_type["type_name"], type_hash=of_type["hash_string"])
+        answer = self.ask(GetTypeDescription, f"{node}/get_type_description", request)
+        if answer is not None and not answer.successful:
+            self.answers[f"{node}/get_type_description"] = answer.failure_reason
 
     def lifecycle(self, node):
         """What `ros2 lifecycle` asks."""
@@ -170,6 +181,7 @@ def main() -> None:
         asker = Asker(ros)
         for node in NODES:
             asker.parameters(f"/{node}")
+            asker.type_of_parameters(f"/{node}")
         for node in MANAGED:
             asker.lifecycle(f"/{node}")
         for name in ("controller/reset", "friction_observer/reset", "rig_driver/zero_sensors", "rig_driver/emergency_stop", "rig_driver/clear_fault"):

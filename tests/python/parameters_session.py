@@ -73,7 +73,7 @@ def main() -> None:
         report["atomic_good"] = ros.set_atomically(OBSERVER, lugre__f_c=2 * f_s, lugre__f_s=3 * f_s)
         report["levels"] = [x / f_s for x in ros.get(OBSERVER, "lugre.f_s", "lugre.f_c")]
         # `ros2 param dump` reads all values, `load` sets them again
-        names = [name for name in listed.names if name not in ("period", "autostart")]
+        names = [name for name in listed.names if name not in ("period", "autostart", "start_type_description_service")]
         values = ros.get(OBSERVER, *names)
         loaded = [ros.set(OBSERVER, **{name.replace(".", "__"): x})[0] for name, x in zip(names, values) if not isinstance(x, list)]
         report["loaded"] = [len(loaded), [reason for good, reason in loaded if not good]]

@@ -28,12 +28,14 @@ refused; the observer deactivated and activated; a goal accepted, with feedback 
 ";
 
 const FEET: &str = "
-* **Lyrical**: there are no wheels of it on PyPI, and its rclpy was not at hand. `ros2-client`
-  0.12.1 has a feature `lyrical`, which changes only the name that it compares with `$ROS_DISTRO`
-  (`src/distributions.rs`): over DDS it sends what it sends for Kilted.
+* **Lyrical**: its rclpy was not at hand. PyPI had no wheels of it on 26 November 2026
+  (`ros-lyrical-rclpy`, `ros-lyrical-rmw-fastrtps-cpp`); those of Kilted are `ros-kilted-rclpy`
+  9.1.2. `ros2-client` 0.12.1 has a feature `lyrical`, which changes only the name that it compares
+  with `$ROS_DISTRO` (`src/distributions.rs`): over DDS it sends what it sends for Kilted.
 * **Cyclone DDS** is `cyclonedds` 11.0.1 of PyPI with what `rmw_cyclonedds` puts on it, the same for
   every distribution. `rmw_cyclonedds_cpp` itself was not at hand.
-* **Zenoh**: the nodes speak DDS only. [Why](../explanation/ros2.md#zenoh).
+* **Zenoh**: the nodes speak DDS only. [What was tried, and what is in the
+  way](../explanation/ros2.md#zenoh).
 ";
 
 fn frictionlab() -> String {

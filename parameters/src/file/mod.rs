@@ -26,6 +26,9 @@ use crate::{Declaration, ParameterError, ParameterValue, nearest};
 
 const PARAMETERS: &str = "ros__parameters";
 
+/// Parameters that every node of ROS has.
+pub const EVERY_NODES: [&str; 2] = ["use_sim_time", "start_type_description_service"];
+
 /// What is wrong in a file, in a sentence with the line.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
@@ -114,8 +117,8 @@ impl Parameters {
     }
 
     /// What is given for the node of that absolute name, each value as its declaration takes it. Of
-    /// what is meant for all nodes (`/**`), what this one does not have is left out, and so is the
-    /// parameter `use_sim_time` that every node has.
+    /// what is meant for all nodes (`/**`), what this one does not have is left out, and so are the
+    /// parameters that every node has ([`EVERY_NODES`]).
     ///
     /// # Errors
     /// [`ParameterError`] for a value that is not taken, and for a name that the node does not have,
@@ -130,7 +133,7 @@ impl Parameters {
             for (name, value) in &given.values {
                 match declared.iter().find(|one| one.name() == name) {
                     Some(one) => _ = taken.insert(name.clone(), one.accept(value)?),
-                    None if given.pattern == "/**" || name == "use_sim_time" => {}
+                    None if given.pattern == "/**" || EVERY_NODES.contains(&&**name) => {}
                     None => {
                         let known = declared.iter().map(Declaration::name);
                         let nearest = nearest(name, known).map(str::to_owned);

@@ -108,14 +108,16 @@ void by_itself(const char *file) {
   CHECK(joint.controller.on_activate({}) == CallbackReturn::SUCCESS);
   joint.update();
   CHECK(joint.command == 0.0);
-  joint.controller.get_node()->subscription->callback({0.4});
+  std_msgs::msg::Float64 command;
+  command.data = 0.4;
+  joint.controller.get_node()->subscription->callback(command);
   for (int k = 0; k < 400; ++k) joint.update();
   CHECK(joint.command > 0.4);
   // The message has become old.
   for (int k = 0; k < 200; ++k) joint.update();
   CHECK(joint.command == 0.0);
   // The clock is set back: a message from what is now the future is no fresher.
-  joint.controller.get_node()->subscription->callback({0.4});
+  joint.controller.get_node()->subscription->callback(command);
   joint.now -= 1'200'000'000;
   joint.update();
   CHECK(joint.command == 0.0);

@@ -11,13 +11,16 @@ use std::thread;
 use std::time::{Duration, Instant, SystemTime};
 
 use msgs::topics::Qos;
+use msgs::type_description_interfaces::GetTypeDescription;
 use ros2_client::qos::{Durability, History, QosProfile, WhenFull};
 use ros2_client::{Name, Node, NodeName, NodeOptions};
 use tokio::task::JoinHandle;
 
 pub use self::topics::Sent;
 use crate::apart::Apart;
+use crate::hearing::Hearers;
 use crate::shared::Shared;
+use crate::types::{self, Types};
 use crate::{Logger, Named, NodeClock, NodeIdentity, RosNodeError, logger, rmw};
 
 /// How long a leaving node waits for its background work.
@@ -36,6 +39,8 @@ pub struct RosNode {
     tasks: Mutex<Vec<JoinHandle<()>>>,
     /// What has a thread of its own.
     apart: Mutex<Vec<Apart>>,
+    /// What its endpoints carry.
+    types: Arc<Types>,
     /// When it began \[ns since the epoch\].
     began: u64,
     shared: Arc<Shared>,
@@ -89,7 +94,27 @@ impl RosNode {
         }
         let (node, tasks, apart) =
             (Arc::new(Mutex::new(Some(node))), Mutex::default(), Mutex::default());
-        Ok(Self { identity, clock, logger, node, tasks, apart, began, shared })
+        let types = Arc::<Types>::default();
+        if !shared.arguments.rosout_disabled {
+            types.uses_named("rcl_interfaces/msg/Log");
+        }
+        let node = Self { identity, clock, logger, node, tasks, apart, types, began, shared };
+        node.describe_types();
+        Ok(node)
+    }
+
+    /// Tells whoever asks what the types of its endpoints are.
+    fn describe_types(&self) {
+        if self.given(types::WANTED) == Some(crate::ParameterValue::Boolean(false)) {
+            return;
+        }
+        let types = Arc::clone(&self.types);
+        let serving =
+            self.serve::<GetTypeDescription>(types::SERVICE, move |asked| types.answer(&asked));
+        // It is not worth the node: permissions that were signed before may not know it.
+        if let Err(error) = serving {
+            self.logger.warn(&format!("nobody is told of the types of this node: {error}"));
+        }
     }
 
     /// Name of the node, without its namespace.
@@ -155,6 +180,11 @@ impl RosNode {
         make: impl FnOnce(&mut Node) -> Result<T, String>,
     ) -> Result<T, RosNodeError> {
         with(&self.node, what, name, make)
+    }
+
+    /// Who of the others hears what.
+    pub(crate) fn hearers(&self) -> Arc<Hearers> {
+        Arc::clone(&self.shared.hearers)
     }
 
     pub(crate) fn spawn(&self, task: impl Future<Output = ()> + Send + 'static) {

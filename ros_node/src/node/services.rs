@@ -3,7 +3,7 @@
 use std::sync::{Arc, PoisonError};
 
 use msgs::topics::Qos;
-use msgs::{RosAction, RosService};
+use msgs::{RosAction, RosService, descriptions};
 use ros2_client::{Message, ServiceMapping, ServiceTypeName};
 
 use super::{RosNode, parse, profile, with};
@@ -25,6 +25,7 @@ impl RosNode {
         S::Request: Message + Sync,
         S::Response: Message + Sync,
     {
+        self.types.uses(descriptions::service::<S>());
         self.raw_serve::<S::Request, S::Response>(name, S::PACKAGE, S::NAME, answer)
     }
 
@@ -44,6 +45,7 @@ impl RosNode {
         S::Request: Message + Sync,
         S::Response: Message + Sync,
     {
+        self.types.uses(descriptions::service::<S>());
         let service = self.service::<S::Request, S::Response>(name, S::PACKAGE, S::NAME)?;
         let apart = Apart::start("service apart", async move { service.run(answer).await })
             .map_err(RosNodeError::Runtime)?;
@@ -61,6 +63,12 @@ impl RosNode {
         handler: impl ActionHandler<A>,
     ) -> Result<ActionServer, RosNodeError> {
         let absolute = self.resolve(Named::Service, name)?;
+        match descriptions::action::<A>() {
+            Ok(described) => described.into_iter().for_each(|one| self.types.uses(Ok(one))),
+            Err(error) => self.types.uses(Err(error)),
+        }
+        self.types.uses_named("action_msgs/srv/CancelGoal");
+        self.types.uses_named("action_msgs/msg/GoalStatusArray");
         let (hearers, runtime) =
             (Arc::clone(&self.shared.hearers), self.shared.runtime.handle().clone());
         let answers = action::Answers::new(&absolute, self.logger.clone(), hearers, runtime);
@@ -98,6 +106,7 @@ impl RosNode {
         A: Message + Send + Sync + 'static,
     {
         let absolute = self.resolve(Named::Service, name)?;
+        self.types.uses_named(&format!("{package}/srv/{kind}"));
         let server = self.with_node("a service", &absolute, |node| {
             let qos = profile(Qos::DEFAULT);
             node.create_server::<Q, A>(
@@ -125,6 +134,7 @@ impl RosNode {
         S::Request: Message + Sync,
         S::Response: Message + Sync,
     {
+        self.types.uses(descriptions::service::<S>());
         self.raw_client(name, S::PACKAGE, S::NAME)
     }
 
@@ -140,6 +150,7 @@ impl RosNode {
         A: Message + Send + Sync + 'static,
     {
         let absolute = self.resolve(Named::Service, name)?;
+        self.types.uses_named(&format!("{package}/srv/{kind}"));
         let (node, name, kind) =
             (Arc::clone(&self.node), absolute.clone(), ServiceTypeName::new(package, kind));
         let make = move |mapping| {

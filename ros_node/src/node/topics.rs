@@ -3,8 +3,8 @@
 use std::time::{Duration, Instant};
 
 use futures::StreamExt;
-use msgs::RosMessage;
 use msgs::topics::{Qos, Topic};
+use msgs::{RosMessage, descriptions};
 use ros2_client::qos::{Durability, History, QosProfile};
 use ros2_client::{Message, MessageInfo, MessageTypeName};
 
@@ -38,11 +38,12 @@ impl RosNode {
         name: &str,
         qos: Qos,
     ) -> Result<Publisher<M>, RosNodeError> {
+        self.types.uses(descriptions::message::<M>());
         let publisher = self.raw_publisher(name, M::DEFINITION.package, M::DEFINITION.name, qos)?;
         Ok(publisher.heard_inside(Told::new(self.shared.ears.clone())))
     }
 
-    /// A publisher of a type that is only known to the client library.
+    /// A publisher of a type that has no Rust type in `msgs`.
     pub(crate) fn raw_publisher<M: Message>(
         &self,
         name: &str,
@@ -51,6 +52,7 @@ impl RosNode {
         qos: Qos,
     ) -> Result<Publisher<M>, RosNodeError> {
         let absolute = self.resolve(Named::Topic, name)?;
+        self.types.uses_named(&format!("{package}/msg/{kind}"));
         let publisher = self.with_node("a publisher", &absolute, |node| {
             let qos = profile(qos);
             let topic = node
@@ -109,6 +111,7 @@ impl RosNode {
         mut take: impl FnMut(M, Sent) + Send + 'static,
     ) -> Result<(), RosNodeError> {
         let absolute = self.resolve(Named::Topic, name)?;
+        self.types.uses(descriptions::message::<M>());
         let subscription = self.with_node("a subscription", &absolute, |node| {
             let qos = subscriber_profile(qos);
             let kind = MessageTypeName::new(M::DEFINITION.package, M::DEFINITION.name);

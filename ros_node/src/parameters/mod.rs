@@ -5,6 +5,7 @@
 //! the crate `parameters`, which has no ROS; here are the six services and
 //! `/parameter_events` ([`Parameters`]). [`RemoteParameters`](crate::RemoteParameters) asks another node.
 
+mod events;
 mod services;
 mod store;
 pub(crate) mod wire;

@@ -1,13 +1,13 @@
-//! The six services of parameters, and `/parameter_events`.
+//! The six services of parameters.
 
 use std::{
     collections::BTreeSet,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
+use ::parameters::{Declaration, ParameterError, ParameterValue, Values};
 use msgs::topics::Qos;
 use ros2_client::{
-    Message,
     parameters::raw,
     rcl_interfaces::{
         DescribeParametersRequest, DescribeParametersResponse, GetParameterTypesRequest,
@@ -16,22 +16,12 @@ use ros2_client::{
         SetParametersAtomicallyResponse, SetParametersRequest, SetParametersResponse,
     },
 };
-use serde::{Deserialize, Serialize};
 
-use ::parameters::{Declaration, ParameterError, ParameterValue, Values};
-
-use super::{Change, ParameterStore, StoreError, wire};
-use crate::{NodeClock, Publisher, RosNode, RosNodeError};
+use super::{Change, ParameterStore, StoreError, events::Events, wire};
+use crate::{RosNode, RosNodeError, types};
 
 /// The parameter that every node has.
 const USE_SIM_TIME: &str = "use_sim_time";
-
-/// The event as it travels.
-#[derive(Clone, Serialize, Deserialize)]
-#[serde(transparent)]
-struct Event(raw::ParameterEvent);
-
-impl Message for Event {}
 
 /// The running parameters of a node. Clones are the same parameters.
 #[derive(Clone)]
@@ -39,13 +29,12 @@ pub struct Parameters(Arc<Inner>);
 
 struct Inner {
     store: Mutex<ParameterStore>,
-    events: Publisher<Event>,
-    node: String,
-    clock: NodeClock,
+    events: Events,
 }
 
 impl Parameters {
-    /// Declares the parameters of `node`, and `use_sim_time`; takes what the command line gives for
+    /// Declares the parameters of `node`, and those that every node has, `use_sim_time` and
+    /// `start_type_description_service`; takes what the command line gives for
     /// them; offers the services and tells `/parameter_events`.
     ///
     /// `judge` sees all values, and which of them change, before they count; what it returns as an
@@ -61,6 +50,10 @@ impl Parameters {
     ) -> Result<Self, RosNodeError> {
         if !declared.iter().any(|parameter| parameter.name() == USE_SIM_TIME) {
             declared.push(Declaration::boolean(USE_SIM_TIME, false, "Take the time from /clock"));
+        }
+        if !declared.iter().any(|parameter| parameter.name() == types::WANTED) {
+            let what = "Offer the service ~/get_type_description";
+            declared.push(Declaration::boolean(types::WANTED, true, what).read_only());
         }
         let name = node.identity().qualified();
         let given = node.arguments().overrides(&name);
@@ -96,20 +89,15 @@ impl Parameters {
         node.subscribe_on("/clock", Qos::DEFAULT, move |message: msgs::rosgraph_msgs::Clock| {
             shown.show(message.clock.to_nanos());
         })?;
-        let events = node.raw_publisher(
-            "/parameter_events",
-            "rcl_interfaces",
-            "ParameterEvent",
-            Qos { depth: 1000, ..Qos::DEFAULT },
-        )?;
-        let parameters =
-            Self(Arc::new(Inner { store: Mutex::new(store), events, node: name, clock }));
+        let new = store.values().iter();
+        let new = new.map(|(name, value)| raw_parameter(name, value.clone())).collect();
+        let events = Events::begin(node, name, new)?;
+        let parameters = Self(Arc::new(Inner { store: Mutex::new(store), events }));
         parameters.serve(node)?;
-        parameters.tell_all();
         Ok(parameters)
     }
 
-    /// What every node of ROS 2 has: `use_sim_time` alone, with the six services, so that whoever
+    /// What every node of ROS 2 has and nothing else, with the six services, so that whoever
     /// asks all nodes for their parameters need not wait for this one. They answer for as long as
     /// the node is there.
     ///
@@ -137,29 +125,9 @@ impl Parameters {
     /// [`ParameterError`]; its text is for people.
     pub fn set(&self, changes: &[Change]) -> Result<(), ParameterError> {
         self.0.store().set(changes)?;
-        self.tell(
-            changes.iter().map(|c| raw_parameter(&c.name, c.value.clone())).collect(),
-            Vec::new(),
-        );
+        let changed = changes.iter().map(|c| raw_parameter(&c.name, c.value.clone())).collect();
+        self.0.events.tell_changed(changed);
         Ok(())
-    }
-
-    fn tell_all(&self) {
-        let all = self.values();
-        let new = all.iter().map(|(name, value)| raw_parameter(name, value.clone())).collect();
-        self.tell(Vec::new(), new);
-    }
-
-    fn tell(&self, changed_parameters: Vec<raw::Parameter>, new_parameters: Vec<raw::Parameter>) {
-        let stamp = i64::try_from(self.0.clock.now_ns()).unwrap_or(i64::MAX);
-        // Nobody is harmed if an event is not heard.
-        let _ = self.0.events.publish(Event(raw::ParameterEvent {
-            stamp: ros2_client::builtin_interfaces::Time::from_nanos(stamp),
-            node: self.0.node.clone(),
-            new_parameters,
-            changed_parameters,
-            deleted_parameters: Vec::new(),
-        }));
     }
 
     fn serve(&self, node: &RosNode) -> Result<(), RosNodeError> {

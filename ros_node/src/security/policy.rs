@@ -121,10 +121,10 @@ fn looker(node: &'static str) -> Profile {
         node,
         publish: SAID_BY_ALL.map(str::to_owned).to_vec(),
         subscribe,
-        // Nodes of other makers answer for their own parameters.
+        // Nodes of other makers answer for their own parameters and types.
         reply: EVERY_NODE
             .iter()
-            .filter(|(name, ..)| name.contains("parameter"))
+            .filter(|(name, ..)| name.contains("parameter") || *name == "get_type_description")
             .map(|(name, ..)| format!("~/{name}"))
             .collect(),
         ..Profile::default()

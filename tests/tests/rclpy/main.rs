@@ -3,6 +3,7 @@
 
 mod cdr_rclpy;
 mod commission_rclpy;
+mod described_rclpy;
 mod endurance_rclpy;
 mod frozen_rclpy;
 mod hostile_rclpy;

@@ -14,11 +14,20 @@
 #include <variant>
 #include <vector>
 
+// Where the messages that rosidl generates can be had, the plugin is compiled against those.
+#ifdef GENERATED_MESSAGES
+#include <builtin_interfaces/msg/time.hpp>
+#include <friction_msgs/msg/friction_estimate.hpp>
+#include <rcl_interfaces/msg/parameter_descriptor.hpp>
+#include <rcl_interfaces/msg/set_parameters_result.hpp>
+#include <std_msgs/msg/float64.hpp>
+#else
 namespace std_msgs::msg {
 struct Float64 {
   double data = 0.0;
 };
 }  // namespace std_msgs::msg
+#endif
 
 namespace rclcpp {
 
@@ -27,6 +36,14 @@ class Time {
   explicit Time(std::int64_t nanoseconds = 0) : nanoseconds_(nanoseconds) {}
   std::int64_t nanoseconds() const { return nanoseconds_; }
   double seconds() const { return 1e-9 * static_cast<double>(nanoseconds_); }
+#ifdef GENERATED_MESSAGES
+  operator builtin_interfaces::msg::Time() const {
+    builtin_interfaces::msg::Time time;
+    time.sec = static_cast<std::int32_t>(nanoseconds_ / 1000000000);
+    time.nanosec = static_cast<std::uint32_t>(nanoseconds_ % 1000000000);
+    return time;
+  }
+#endif
 
  private:
   std::int64_t nanoseconds_;
@@ -79,6 +96,7 @@ struct TimerBase {
 
 }  // namespace rclcpp
 
+#ifndef GENERATED_MESSAGES
 namespace rcl_interfaces::msg {
 struct ParameterDescriptor {
   std::string description;
@@ -89,6 +107,7 @@ struct SetParametersResult {
   std::string reason;
 };
 }  // namespace rcl_interfaces::msg
+#endif
 
 namespace rclcpp::node_interfaces {
 struct OnSetParametersCallbackHandle {
@@ -100,6 +119,7 @@ struct OnSetParametersCallbackHandle {
 #define RCLCPP_ERROR(logger, ...) (void(logger), std::fprintf(stderr, __VA_ARGS__), std::fputs("\n", stderr))
 #define RCLCPP_INFO(logger, ...) RCLCPP_ERROR(logger, __VA_ARGS__)
 
+#ifndef GENERATED_MESSAGES
 namespace friction_msgs::msg {
 struct FrictionEstimate {
   static constexpr std::uint8_t STICK = 0, SLIP = 1;
@@ -112,6 +132,7 @@ struct FrictionEstimate {
   std::uint8_t regime = 0;
 };
 }  // namespace friction_msgs::msg
+#endif
 
 namespace rclcpp_lifecycle {
 

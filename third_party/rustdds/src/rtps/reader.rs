@@ -66,7 +66,18 @@ use crate::no_security::SecurityPluginsHandle;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TimedEvent {
   DeadlineMissedCheck,
+  // frictionlab: see `Reader::ask_again`.
+  AskAgain {
+    writer: GUID,
+    last: SequenceNumber,
+    after: StdDuration,
+  },
 }
+
+// frictionlab: when a writer is first asked again for what it was asked for; each time after takes
+// twice as long, and the last is this long.
+const ASK_AGAIN: StdDuration = StdDuration::from_millis(20);
+const ASK_AGAIN_LAST: StdDuration = StdDuration::from_millis(640);
 
 // Some pieces necessary to construct a reader.
 // These can be sent between threads, whereas a Reader cannot.
@@ -324,7 +335,69 @@ impl Reader {
         self.handle_requested_deadline_event();
         self.set_requested_deadline_check_timer(); // re-prime timer
       }
+      TimedEvent::AskAgain {
+        writer,
+        last,
+        after,
+      } => self.ask_again(writer, last, after),
     }
+  }
+
+  // frictionlab: asks a writer of which nothing has come yet once more for its samples up to
+  // `last`. Fast DDS takes no notice of a request that arrives within a fraction of a millisecond
+  // of the sample that it asks for, as it does where the sample came just before its writer was
+  // known; its next HEARTBEAT comes 3 s later, and the first call of a service took that long.
+  fn ask_again(&mut self, writer: GUID, last: SequenceNumber, after: StdDuration) {
+    if !self.matched_writers.contains_key(&writer) {
+      return;
+    }
+    self.with_mutable_writer_proxy(writer, |this, proxy| {
+      let missing = proxy.missing_seqnums(proxy.all_ackable_before(), last);
+      let missing = missing
+        .into_iter()
+        .filter(|sn| !this.is_frag_partially_received(writer, *sn))
+        .collect::<std::collections::BTreeSet<_>>();
+      let Some(&first) = missing.first().filter(|_| proxy.nothing_came()) else {
+        proxy.asked_again = false;
+        return;
+      };
+      let flags = BitFlags::<ACKNACK_Flags>::from_flag(ACKNACK_Flags::Endianness)
+        | BitFlags::<ACKNACK_Flags>::from_flag(ACKNACK_Flags::Final);
+      let acknack = AckNack {
+        reader_id: this.entity_id(),
+        writer_id: writer.entity_id,
+        reader_sn_state: SequenceNumberSet::from_base_and_set(
+          first,
+          &missing
+            .range(..first + SequenceNumber::new(256))
+            .copied()
+            .collect(),
+        ),
+        count: proxy.next_ack_nack_sequence_number(),
+      };
+      let to = InfoDestination {
+        guid_prefix: writer.prefix,
+      };
+      this.send_acknack_to(flags, acknack, to, &proxy.unicast_locator_list, writer);
+      proxy.asked_again = after < ASK_AGAIN_LAST;
+      if proxy.asked_again {
+        this.set_ask_again_timer(writer, last, 2 * after);
+      }
+    });
+  }
+
+  fn set_ask_again_timer(&self, writer: GUID, last: SequenceNumber, after: StdDuration) {
+    self.timed_event_timer.borrow_mut().set_timeout(
+      after,
+      DpTimerEvent::Reader {
+        entity_id: self.my_guid.entity_id,
+        event: TimedEvent::AskAgain {
+          writer,
+          last,
+          after,
+        },
+      },
+    );
   }
 
   pub fn process_command(&mut self) {
@@ -954,6 +1027,12 @@ impl Reader {
         // respond with an ACKNACK Message. The ACKNACK Message may acknowledge
         // having received all the data samples or may indicate that some data
         // samples are missing. The response may be delayed to avoid message storms.
+
+        // frictionlab: a writer may not have heard what it is asked for here.
+        if !missing_seqnums.is_empty() && writer_proxy.nothing_came() && !writer_proxy.asked_again {
+          writer_proxy.asked_again = true;
+          this.set_ask_again_timer(writer_guid, heartbeat.last_sn, ASK_AGAIN);
+        }
 
         if !missing_seqnums.is_empty() || !final_flag_set {
           let mut partially_received = Vec::new();
@@ -1813,6 +1892,28 @@ mod tests {
       .matched_writer(writer_guid)
       .expect("Did not find a matched writer");
     assert_eq!(writer_proxy.sent_ack_nack_count, 3);
+
+    // frictionlab: 8. Nothing came: the writer is asked again, but not for ever
+    let last = SequenceNumber::new(3);
+    let again = |reader: &mut Reader, after| {
+      reader.handle_timed_event(TimedEvent::AskAgain {
+        writer: writer_guid,
+        last,
+        after,
+      });
+      let proxy = reader.matched_writer(writer_guid).unwrap();
+      (proxy.sent_ack_nack_count, proxy.asked_again)
+    };
+    assert_eq!(again(&mut reader, ASK_AGAIN), (4, true));
+    assert_eq!(again(&mut reader, ASK_AGAIN_LAST), (5, false));
+
+    // frictionlab: 9. A sample came: what else is missing is asked for after heartbeats only
+    reader
+      .matched_writers
+      .get_mut(&writer_guid)
+      .unwrap()
+      .received_changes_add(last, Timestamp::now());
+    assert_eq!(again(&mut reader, ASK_AGAIN), (5, false));
   }
 
   #[test]

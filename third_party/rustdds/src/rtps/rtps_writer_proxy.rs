@@ -67,6 +67,9 @@ pub(crate) struct RtpsWriterProxy {
 
   pub sent_ack_nack_count: i32,
 
+  // frictionlab: it is asked once more for its first samples; see `Reader::ask_again`.
+  pub asked_again: bool,
+
   ack_base: SequenceNumber, // We can ACK everything before this number.
   // ack_base can be increased from N-1 to N, if we receive DATA with SequenceNumber N-1
   // heartbeat(first,last) => ack_base can be increased to first.
@@ -95,6 +98,7 @@ impl RtpsWriterProxy {
       changes: BTreeMap::new(),
       received_heartbeat_count: 0,
       sent_ack_nack_count: 0,
+      asked_again: false,
       // Sequence numbering must start at 1.
       // Therefore, we can ACK all sequence numbers below 1 even before receiving anything.
       ack_base: SequenceNumber::new(1),
@@ -128,6 +132,11 @@ impl RtpsWriterProxy {
     } else {
       None
     }
+  }
+
+  // frictionlab: no sample of this writer has come yet.
+  pub fn nothing_came(&self) -> bool {
+    self.last_received_sequence_number == SequenceNumber::new(0)
   }
 
   // Check if we no samples in the received state.
@@ -339,6 +348,7 @@ impl RtpsWriterProxy {
       changes: BTreeMap::new(),
       received_heartbeat_count: 0,
       sent_ack_nack_count: 0,
+      asked_again: false,
       ack_base: SequenceNumber::default(),
       last_received_sequence_number: SequenceNumber::new(0),
       last_received_timestamp: Timestamp::INVALID,

@@ -381,6 +381,19 @@ where
       .or_insert(accessed_generations);
   }
 
+  // frictionlab: what was known of instances that were disposed of was kept for ever, a few
+  // kilobytes of discovery for every participant that ever was.
+  fn forget_disposed(&mut self, taken: &[(Timestamp, D::K)]) {
+    for (ts, key) in taken {
+      if let Some(imd) = self.instance_map.get_mut(key) {
+        imd.instance_samples.remove(ts);
+        if imd.instance_samples.is_empty() && imd.instance_state == InstanceState::NotAliveDisposed {
+          self.instance_map.remove(key);
+        }
+      }
+    }
+  }
+
   fn mark_instances_viewed(
     &mut self,
     instance_generations: &HashMap<D::K, NotAliveGenerationCounts>,
@@ -519,6 +532,7 @@ where
     }
 
     self.mark_instances_viewed(&instance_generations);
+    self.forget_disposed(keys);
     result
   }
 
@@ -595,6 +609,7 @@ where
     }
 
     self.mark_instances_viewed(&instance_generations);
+    self.forget_disposed(keys);
     result
   }
 
@@ -618,41 +633,41 @@ pub(crate) fn result_ok_as_ref_err_clone<T, E: Clone>(r: &Sample<T, E>) -> Sampl
 
 #[cfg(test)]
 mod tests {
-  // use super::*;
-  // use crate::{
-  //   structure::{time::Timestamp},
-  // };
-  // use crate::dds::ddsdata::DDSData;
-  // use crate::dds::traits::key::Keyed;
-  // use crate::test::random_data::*;
+  use super::*;
+  use crate::test::random_data::*;
 
+  // frictionlab
   #[test]
-  fn dsc_empty_qos() {
-    /*
-    let qos = QosPolicies::qos_none();
-    let mut datasample_cache = DataSampleCache::<RandomData>::new(qos);
-
-    let timestamp = Timestamp::now();
-    let data = RandomData {
-      a: 4,
-      b: "Fobar".to_string(),
+  fn an_instance_that_was_disposed_of_is_forgotten_once_it_was_taken() {
+    let mut cache = DataSampleCache::<RandomData>::new(QosPolicies::qos_none());
+    let data = |a| RandomData {
+      a,
+      b: String::new(),
     };
-
-    let org_ddsdata = DDSData::from(&data, Some(timestamp));
-
-    let key = data.key().clone();
-    datasample_cache.add_sample(Ok(data.clone()), GUID::GUID_UNKNOWN, timestamp, None);
-    //datasample_cache.add_datasample(datasample).unwrap();
-
-    let samples = datasample_cache.read_by_keys(&[(timestamp, key)]);
-    assert_eq!(samples.len(), 1);
-    match &samples.get(0).unwrap().value() {
-      Ok(huh) => {
-        let ddssample = DDSData::from(huh, Some(timestamp));
-        assert_eq!(org_ddsdata, ddssample);
-      }
-      _ => (),
-    }
-    */
+    let add = |cache: &mut DataSampleCache<RandomData>, sample, number| {
+      cache.add_sample(
+        sample,
+        GUID::GUID_UNKNOWN,
+        SequenceNumber::new(number),
+        Timestamp::now(),
+        WriteOptions::default(),
+      );
+    };
+    let (gone, stays) = (data(1), data(2));
+    add(&mut cache, Sample::Value(gone.clone()), 1);
+    add(&mut cache, Sample::Value(stays), 2);
+    add(&mut cache, Sample::Dispose(gone.key()), 3);
+    assert_eq!(cache.instance_map.len(), 2);
+    let keys = cache.select_keys_for_access(ReadCondition::any());
+    assert_eq!(cache.read_by_keys(&keys).len(), keys.len());
+    assert_eq!(cache.instance_map.len(), 2, "read is not taken");
+    let keys = cache.select_keys_for_access(ReadCondition::any());
+    cache.take_bare_by_keys(&keys);
+    assert_eq!(cache.instance_map.len(), 1, "the one that is alive");
+    // It comes back as a new one.
+    add(&mut cache, Sample::Value(gone), 4);
+    let keys = cache.select_keys_for_access(ReadCondition::any());
+    let taken = cache.take_by_keys(&keys);
+    assert_eq!((taken.len(), cache.instance_map.len()), (1, 2));
   }
 }

@@ -1,6 +1,6 @@
 use std::{
   cmp::max,
-  collections::BTreeMap,
+  collections::{BTreeMap, VecDeque},
   io,
   marker::PhantomData,
   pin::Pin,
@@ -54,7 +54,51 @@ pub(crate) struct ReadState<K: Key> {
   /// hash_to_key_map is used for decoding received key hashes back to original
   /// key values. This is needed when we receive a dispose message via hash
   /// only.
-  hash_to_key_map: BTreeMap<KeyHash, K>, // TODO: garbage collect this somehow
+  hash_to_key_map: KnownKeys<K>,
+}
+
+// frictionlab: the keys by their hashes. They were kept for ever; now those that were disposed of
+// last are kept, so that a second dispose of one is understood.
+struct KnownKeys<K: Key> {
+  keys: BTreeMap<KeyHash, KnownKey<K>>,
+  disposed: VecDeque<KeyHash>,
+}
+
+struct KnownKey<K: Key> {
+  key: K,
+  alive: bool,
+}
+
+// frictionlab: most keys that are kept of instances that were disposed of.
+const MOST_DISPOSED: usize = 256;
+
+impl<K: Key> KnownKeys<K> {
+  fn new() -> Self {
+    Self {
+      keys: BTreeMap::new(),
+      disposed: VecDeque::new(),
+    }
+  }
+
+  fn get(&self, hash: &KeyHash) -> Option<&K> {
+    self.keys.get(hash).map(|known| &known.key)
+  }
+
+  fn note(&mut self, key: K, alive: bool) {
+    let hash = key.hash_key(false);
+    let before = self.keys.insert(hash, KnownKey { key, alive });
+    if alive || before.is_some_and(|before| !before.alive) {
+      return;
+    }
+    self.disposed.push_back(hash);
+    if self.disposed.len() > MOST_DISPOSED {
+      if let Some(oldest) = self.disposed.pop_front() {
+        if self.keys.get(&oldest).is_some_and(|known| !known.alive) {
+          self.keys.remove(&oldest);
+        }
+      }
+    }
+  }
 }
 
 impl<K: Key> ReadState<K> {
@@ -62,7 +106,7 @@ impl<K: Key> ReadState<K> {
     ReadState {
       latest_instant: Timestamp::ZERO,
       last_read_sn: BTreeMap::new(),
-      hash_to_key_map: BTreeMap::<KeyHash, K>::new(),
+      hash_to_key_map: KnownKeys::new(),
     }
   }
 
@@ -73,7 +117,7 @@ impl<K: Key> ReadState<K> {
     &mut self,
   ) -> (
     &mut BTreeMap<GUID, SequenceNumber>,
-    &mut BTreeMap<KeyHash, K>,
+    &mut KnownKeys<K>,
   ) {
     let ReadState {
       last_read_sn,
@@ -215,21 +259,20 @@ where
   }
 
   fn update_hash_to_key_map(
-    hash_to_key_map: &mut BTreeMap<KeyHash, D::K>,
+    hash_to_key_map: &mut KnownKeys<D::K>,
     deserialized: &Sample<D, D::K>,
   ) {
-    let instance_key = match deserialized {
-      Sample::Value(d) => d.key(),
-      Sample::Dispose(k) => k.clone(),
-    };
-    hash_to_key_map.insert(instance_key.hash_key(false), instance_key);
+    match deserialized {
+      Sample::Value(d) => hash_to_key_map.note(d.key(), true),
+      Sample::Dispose(k) => hash_to_key_map.note(k.clone(), false),
+    }
   }
 
   fn deserialize_with<S>(
     &self,
     timestamp: Timestamp,
     cc: &CacheChange,
-    hash_to_key_map: &mut BTreeMap<KeyHash, D::K>,
+    hash_to_key_map: &mut KnownKeys<D::K>,
     decoder: S,
   ) -> ReadResult<DeserializedCacheChange<D>>
   where
@@ -323,11 +366,9 @@ where
         // The cache should know hash -> key mapping even if the sample
         // has been disposed or .take()n
         if let Some(key) = hash_to_key_map.get(&key_hash) {
-          Ok(DeserializedCacheChange::new(
-            timestamp,
-            cc,
-            Sample::Dispose(key.clone()),
-          ))
+          let k = Sample::Dispose(key.clone());
+          Self::update_hash_to_key_map(hash_to_key_map, &k);
+          Ok(DeserializedCacheChange::new(timestamp, cc, k))
         } else {
           Err(ReadError::UnknownKey {
             details: format!(
@@ -729,5 +770,32 @@ where
       .status_receiver
       .as_async_status_stream()
       .is_terminated()
+  }
+}
+
+#[cfg(test)]
+mod tests {
+  use super::*;
+
+  // frictionlab
+  #[test]
+  fn keys_are_kept_while_their_instances_live_and_the_last_disposed_for_a_while() {
+    let mut known = KnownKeys::<i64>::new();
+    known.note(-1, true);
+    for key in 0..1000 {
+      known.note(key, true);
+      known.note(key, false);
+      // It is told twice.
+      known.note(key, false);
+    }
+    assert_eq!(known.keys.len(), 1 + MOST_DISPOSED);
+    assert_eq!(known.disposed.len(), MOST_DISPOSED);
+    assert_eq!(known.get(&999_i64.hash_key(false)), Some(&999));
+    assert_eq!(known.get(&0_i64.hash_key(false)), None);
+    assert_eq!(known.get(&(-1_i64).hash_key(false)), Some(&-1));
+    // One that came back is not forgotten.
+    known.note(999, true);
+    (2000..3000).for_each(|key| known.note(key, false));
+    assert_eq!(known.get(&999_i64.hash_key(false)), Some(&999));
   }
 }
