@@ -32,10 +32,13 @@ pub(super) fn intervals(
     let (low, high) = (SLOWER * speeds.0, FASTER * speeds.1);
     let between =
         |from: f64, to: f64, i: usize| from * (to / from).powf(i as f64 / (TRIALS - 1) as f64);
-    // Without a dip every `v_s` fits; a trial whose best dip is negative counts as none.
+    // Without a dip every `v_s` fits; a trial whose best dip is negative counts as none. So does one
+    // that no friction has: where friction grows ever more slowly with speed, a dip as wide as all
+    // speeds with a negative `f_c` fits best, and would set the limit for those that are allowed.
     let sum_at = |v_s: f64| {
         let trial = data.trial(v_s)?;
-        Some(if trial.dip < 0.0 { data.without_dip } else { trial.sum })
+        let none = trial.dip < 0.0 || trial.f_c <= 0.0;
+        Some(if none { data.without_dip } else { trial.sum })
     };
     let grid: Vec<(f64, f64)> = (0..TRIALS)
         .map(|i| between(low, high, i))

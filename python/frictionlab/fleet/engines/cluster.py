@@ -12,6 +12,7 @@ import os
 import time
 from collections import deque
 from collections.abc import Generator, Iterable, Iterator
+from contextlib import suppress
 from itertools import islice
 from typing import Any, Generic, NamedTuple
 
@@ -88,10 +89,14 @@ class Cluster(Generic[T, R]):
                 if not self._given:
                     self._grown()
         finally:
-            for one in running:
-                ray.cancel(one, force=True)
-            if self._mine:
-                ray.shutdown()
+            try:
+                for one in running:
+                    # What ended meanwhile needs no end.
+                    with suppress(ray.exceptions.RayError, ValueError):
+                        ray.cancel(one, force=True)
+            finally:
+                if self._mine:
+                    ray.shutdown()
 
     def _next(self, waiting: Iterator[T]) -> _Bundle | None:
         """The next tasks; none where there are no more."""
