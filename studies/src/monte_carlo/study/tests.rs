@@ -82,7 +82,7 @@ fn parts_that_are_joined_are_the_study_of_one_process_bit_for_bit() {
     assert!(join(&asked).unwrap_err().to_string().contains("stopped before its end"));
     std::fs::remove_file(&files[1]).unwrap();
     let fewer = join(&asked).unwrap();
-    assert!(fewer.stopped && fewer.cells[0].draws.len() == 4, "{}", fewer.cells[0].draws.len());
+    assert!(fewer.stopped && fewer.cells[0].draws.len() == 3, "{}", fewer.cells[0].draws.len());
 }
 
 #[test]
