@@ -73,10 +73,7 @@ pub(super) fn intervals(
         }
     };
     let trials = (0..TRIALS).map(|i| between(from, to, i)).chain([centre]);
-    trials
-        .filter_map(allowed)
-        .filter(|trial| trial.sum <= limit)
-        .for_each(&mut widen);
+    trials.filter_map(allowed).filter(|trial| trial.sum <= limit).for_each(&mut widen);
     let [mut f_s, f_c, f_v] = linear.map(|(low, high)| Interval {
         // What friction excludes is no part of it.
         low: low.max(0.0),
