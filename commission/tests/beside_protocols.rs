@@ -52,9 +52,11 @@ fn machines_of_a_trial_are_driven_by_both_and_counted_on_both_sides() {
         wanted: Wanted::default(),
         allowed: 600.0,
         protocol: Some(protocol),
+        workers: std::thread::available_parallelism().map_or(1, usize::from),
     };
     let progress = Progress::new(1.0, true);
-    let cases = trial(&asked, folder.path(), &Arc::default(), &progress).unwrap();
+    let cases =
+        trial(&asked, 0..asked.machines, folder.path(), &Arc::default(), &progress).unwrap();
     let found = table(&cases);
     let beside = found.beside.unwrap();
     assert_eq!((beside.machines, beside.told), (2, 2), "{found}");

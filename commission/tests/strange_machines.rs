@@ -32,9 +32,11 @@ fn strange_machines_are_commissioned_within_their_limits_and_their_parameters_li
         wanted: Wanted::default(),
         allowed: 600.0,
         protocol: None,
+        workers: std::thread::available_parallelism().map_or(1, usize::from),
     };
     let progress = Progress::new(1.0, true);
-    let cases = trial(&asked, folder.path(), &Arc::default(), &progress).unwrap();
+    let cases =
+        trial(&asked, 0..asked.machines, folder.path(), &Arc::default(), &progress).unwrap();
     let found = table(&cases);
     println!("{found}");
     // Of eight machines one may be refused; of a hundred five.
@@ -63,9 +65,12 @@ fn a_load_behind_a_play_rests_after_the_hand_over() {
         wanted: Wanted::default(),
         allowed: 600.0,
         protocol: None,
+        workers: std::thread::available_parallelism().map_or(1, usize::from),
     };
     let progress = Progress::new(1.0, true);
-    let found = table(&trial(&asked, folder.path(), &Arc::default(), &progress).unwrap());
+    let found = table(
+        &trial(&asked, 0..asked.machines, folder.path(), &Arc::default(), &progress).unwrap(),
+    );
     assert_eq!(found.commissioned, 1.0, "{found}");
     assert_eq!(found.hunting.0, 0, "{found}");
 }

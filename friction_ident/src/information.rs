@@ -1,6 +1,6 @@
 //! How well a model fits for the number of its parameters, and which of two models predicts better.
 
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::statistics::Sample;
 
@@ -40,13 +40,23 @@ impl Information {
 }
 
 /// By how much one model predicts worse than another, paired over blocks of the same data.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Difference {
     /// Mean of the differences of the blocks' mean squares, above zero where the first model is
     /// worse.
+    #[serde(deserialize_with = "or_nan")]
     pub mean: f64,
     /// Standard error of the mean, from the scatter over the blocks.
+    #[serde(deserialize_with = "or_nan")]
     pub standard_error: f64,
+}
+
+/// Reads the `null` that JSON has for what is no number: `#[serde(deserialize_with = "or_nan")]`.
+///
+/// # Errors
+/// What `from` says of anything else.
+pub fn or_nan<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    <Option<f64> as Deserialize>::deserialize(from).map(|value| value.unwrap_or(f64::NAN))
 }
 
 impl Difference {

@@ -7,10 +7,10 @@
 use std::ops::ControlFlow;
 
 use friction_model::{AnyModel, ModelName};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::IdentError;
-use crate::information::Difference;
+use crate::information::{Difference, or_nan};
 use crate::staged::{
     Identified, StagedOptions, difference, identify_model, residuals, rms_of_kind,
 };
@@ -35,17 +35,20 @@ pub const KINDS: [StretchKind; 4] =
     [StretchKind::Steady, StretchKind::PreSliding, StretchKind::Lag, StretchKind::Mixed];
 
 /// One model identified from one truth's experiments under one seed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Trial {
     /// The model.
     pub model: ModelName,
     /// Held-out root mean square error over everything \[N or N m\].
+    #[serde(deserialize_with = "or_nan")]
     pub held_out: f64,
     /// The same of each kind of recording, in the order of [`StretchKind::ALL`].
     pub by_kind: [Option<f64>; 4],
     /// Akaike's criterion on the data it was fitted to.
+    #[serde(deserialize_with = "or_nan")]
     pub aic: f64,
     /// Schwarz's criterion.
+    #[serde(deserialize_with = "or_nan")]
     pub bic: f64,
     /// Held-out mean square beyond the best model's, paired over blocks; zero for the best itself.
     pub behind: Difference,

@@ -88,7 +88,9 @@ class Layout:
         if leaf.element:
             return numbers
         # A number of its own becomes one of Python's, which has no short forms.
-        values: Values = numbers.astype(np.float64 if numbers.dtype.kind == "f" else np.uint64 if leaf.kind == "uint64" else np.int64)
+        values: Values = numbers.astype(
+            np.float64 if numbers.dtype.kind == "f" else np.uint64 if leaf.kind == "uint64" else np.int64
+        )
         return values
 
 

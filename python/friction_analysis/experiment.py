@@ -278,7 +278,9 @@ def main(arguments: list[str] | None = None) -> int:
         metavar="NAME=VALUE",
         help="option of the experiment; NAME alone is a switch; may come several times",
     )
-    parser.add_argument("--out", default="", metavar="DIR", help="folder of the results, in the experiment runner's folder of runs")
+    parser.add_argument(
+        "--out", default="", metavar="DIR", help="folder of the results, in the experiment runner's folder of runs"
+    )
     parser.add_argument("--preempt", action="store_true", help="end the experiment that runs, if one does")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the result there as JSON")
     parser.add_argument("--namespace", default="", metavar="NS", help="namespace of the experiment runner (default: none)")

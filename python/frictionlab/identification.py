@@ -159,8 +159,8 @@ class Identification:
         """Sets of parameters drawn together, as likely as the recordings leave them: a row a sample.
 
         They have the correlations of the fit, and 95 % of each parameter lie within its interval. Of an axis they are
-        those of the symmetric model. What was not
-        estimated is held; `.attrs["notes"]` says what, and `.attrs["units"]` the units.
+        those of the symmetric model. What was not estimated is held; `.attrs["notes"]` says what, and
+        `.attrs["units"]` the units.
         """
         import pandas as pd
 
@@ -287,9 +287,11 @@ def identify(
     """
     asked = _Asked(data, validate, keywords | {"model": model})
     joint = keywords.get("joint")
-    if joint is not None and len(several := asked.joints(joint)) > 1:
+    if joint is None:
+        return asked.identify(None)
+    if len(several := asked.joints(joint)) > 1:
         raise BadInput(f"{', '.join(several)} are several joints; use identify_joints, which gives a result for each")
-    return asked.identify(joint)
+    return asked.identify(several[0] if several else None)
 
 
 class Joints(dict[str, Identification]):
@@ -316,7 +318,8 @@ def identify_joints(
 ) -> Joints:
     """Identify several joints of a bag or of a table's columns, each by itself: results by joint name.
 
-    `joint` is ``"all"``, or names of joints; the rest is as in `identify`. A joint that cannot be identified
+    `joint` is ``"all"``, or names of joints; the rest is as in `identify`. Recordings that name no joints are one
+    joint without a name. A joint that cannot be identified
     stands in `.failed` with the reason, and the others go on; where none can, the first reason is raised.
 
     >>> import numpy as np
@@ -328,14 +331,14 @@ def identify_joints(
     [0.1, 0.2]
     """
     asked = _Asked(data, validate, keywords | {"model": model})
-    return _each(asked, asked.joints(joint))
+    return _each(asked, asked.joints(joint) or [None])
 
 
 def each_or_whole(data: Data, keywords: Mapping[str, Any]) -> Joints:
     """All joints by name; a recording that names none is one joint, without a name."""
     asked = _Asked(data, (), keywords)
     try:
-        names: Iterable[str | None] = asked.joints("all")
+        names: Iterable[str | None] = asked.joints("all") or [None]
     except BadInput:
         # Where that is not why, the identification says why.
         names = [None]

@@ -32,8 +32,8 @@ fn main() -> Result<ExitCode, StudyError> {
         setting: Setting::Physical,
         workers: thread::available_parallelism().map_or(1, usize::from),
     };
-    let progress = Progress::counting(options.length(), "draws", false);
-    let study = options.make(&progress, &AtomicBool::new(false))?;
+    let progress = Progress::counting(options.length(options.draws as usize), "draws", false);
+    let study = options.make(0..options.draws, &progress, &AtomicBool::new(false))?;
     progress.finish();
     print!("{}", summary(&study));
     let mut missed = false;

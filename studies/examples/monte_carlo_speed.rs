@@ -30,8 +30,11 @@ fn main() -> anyhow::Result<()> {
         workers: 1,
     };
     let started = Instant::now();
-    let study = options
-        .make(&Progress::counting(options.length(), "draws", true), &AtomicBool::new(false))?;
+    let study = options.make(
+        0..options.draws,
+        &Progress::counting(options.length(options.draws as usize), "draws", true),
+        &AtomicBool::new(false),
+    )?;
     let seconds = started.elapsed().as_secs_f64();
     let trials: Vec<&Vec<Trial>> = study.cells.iter().flat_map(|cell| &cell.draws).collect();
     let mse = |arm: usize| -> Vec<f64> {

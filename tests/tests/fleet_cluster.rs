@@ -11,6 +11,7 @@ fn fleet(recordings: u32) {
     let mut command = network::namespaced();
     command.arg("env").arg(format!("FLEET_RECORDINGS={recordings}"));
     command.arg(format!("PYTHONPATH={}", root.display()));
+    command.env("FRICTIONLAB_BIN", tests::frictionlab().get_program());
     let tests = ["tests/laboratory/test_fleet_cluster.py"];
     python::pytest(command, &python::ray(), &root, &tests);
 }

@@ -76,5 +76,8 @@ fn the_laboratory_computes_in_python_what_the_command_computes() {
     command
         .env("FRICTIONLAB_BIN", tests::frictionlab().get_program())
         .env("FRICTION_TEST_BAG", out.join("bag"));
+    if let Some(data) = machine::recordings() {
+        command.env("FRICTION_DATA", data);
+    }
     python::pytest(command, &python, &root, &["tests/laboratory"]);
 }

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use experiment_runner::protocol::ConstantVelocityProtocol;
 use machine_rig::{Machine, Peaks, forget, peaks};
 use rig_setup::{RigChoice, RigSetup};
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize};
 use work::progress::Progress;
 
 use super::finish::{Finish, finish};
@@ -26,7 +26,7 @@ use crate::travel::{ANGLE, TravelAsked};
 use crate::{Asked, CommissionError, Dossier, Stage};
 
 /// A parameter that was found, beside the truth.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Held {
     /// Which.
     pub parameter: CurveParameter,
@@ -41,7 +41,7 @@ pub struct Held {
 }
 
 /// What came of a machine that was commissioned.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Commissioned {
     /// Rig time \[s\].
     pub seconds: f64,
@@ -63,7 +63,7 @@ pub struct Commissioned {
 }
 
 /// What the fixed protocol of the thesis came to on a machine.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Protocol {
     /// Rig time, with rests of a warm motor \[s\].
     pub seconds: f64,
@@ -76,7 +76,7 @@ pub struct Protocol {
 }
 
 /// A machine of the trial.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Case {
     /// Its name.
     pub name: String,
@@ -94,9 +94,16 @@ pub struct Case {
     pub peaks: Peaks,
     /// Voltage and speed that were allowed; the speed as the shaft has it where the encoder tells
     /// what was allowed.
+    #[serde(deserialize_with = "endless")]
     pub limits: (f64, f64),
     /// Speed up to which a stop may be met [rad/s].
     pub creeping: f64,
+}
+
+/// Reads limits: `null`, which JSON has for what is infinite, is no limit.
+fn endless<'de, D: Deserializer<'de>>(from: D) -> Result<(f64, f64), D::Error> {
+    let (voltage, velocity): (Option<f64>, Option<f64>) = Deserialize::deserialize(from)?;
+    Ok((voltage.unwrap_or(f64::INFINITY), velocity.unwrap_or(f64::INFINITY)))
 }
 
 /// What creeps, as a share of the speed that the whole voltage gives.

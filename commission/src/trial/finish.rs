@@ -1,7 +1,7 @@
 //! The task at the end: a sine, and a small move that has to be held.
 
 use friction_ident::statistics::root_mean_square;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::axis::Axis;
 use crate::bed::{Arm, Bed};
@@ -12,7 +12,7 @@ const SECONDS: f64 = 14.0;
 const HELD: f64 = 9.0;
 
 /// How a loop does on it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Finish {
     /// Root mean square error of the sine \[rad\].
     pub error: f64,

@@ -3,14 +3,16 @@
 
 mod case;
 mod finish;
+mod joined;
 mod table;
 mod told;
 mod truth;
 mod user;
 
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use experiment_runner::protocol::ConstantVelocityProtocol;
@@ -21,6 +23,7 @@ use work::progress::Progress;
 
 pub use case::{Case, Commissioned, Held, Protocol, case};
 pub use finish::Finish;
+pub use joined::{TrialPart, join};
 pub use table::{Table, table};
 pub use told::{Part, PartTable, Told, Verdict};
 
@@ -40,30 +43,32 @@ pub struct Trial {
     pub allowed: f64,
     /// The fixed protocol that is driven beside it, where one is.
     pub protocol: Option<ConstantVelocityProtocol>,
+    /// Threads; the figures do not depend on it.
+    pub workers: usize,
 }
 
-/// Tries them all. Each machine's file and results are in `folder`.
+/// Tries some of them, by their place from 0 on. Each machine's file and results are in `folder`.
 ///
 /// # Errors
 /// [`CommissionError`] if something cannot be written, or the user stops it.
 pub fn trial(
     trial: &Trial,
+    machines: Range<u32>,
     folder: &Path,
     stop: &Arc<AtomicBool>,
     progress: &Progress,
 ) -> Result<Vec<Case>, CommissionError> {
-    let next = AtomicUsize::new(0);
-    let done: Mutex<Vec<(usize, Result<Case, CommissionError>)>> = Mutex::default();
-    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let next = AtomicU32::new(machines.start);
+    let done: Mutex<Vec<(u32, Result<Case, CommissionError>)>> = Mutex::default();
     std::thread::scope(|scope| {
-        for _ in 0..threads {
+        for _ in 0..trial.workers.max(1) {
             scope.spawn(|| {
                 loop {
                     let index = next.fetch_add(1, Ordering::Relaxed);
-                    if index >= trial.machines as usize || stop.load(Ordering::Relaxed) {
+                    if index >= machines.end || stop.load(Ordering::Relaxed) {
                         return;
                     }
-                    let machine = random::machine(trial.seed + index as u64);
+                    let machine = random::machine(trial.seed + u64::from(index));
                     let result = one(trial, &machine, folder, stop);
                     progress.advance(1.0);
                     done.lock().unwrap_or_else(PoisonError::into_inner).push((index, result));

@@ -3,13 +3,15 @@
 use std::fmt;
 
 use machine_rig::Machine;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::truth::{Truth, load};
 use crate::structure::{Finding, Structure};
 
 /// A part of the structure.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, strum::Display, strum::VariantArray)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, strum::Display, strum::VariantArray,
+)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum Part {
@@ -26,7 +28,7 @@ pub enum Part {
 }
 
 /// What was told of a part.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// It is there.
@@ -38,7 +40,7 @@ pub enum Verdict {
 }
 
 /// A part, what is there and what was told.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Told {
     /// Which.
     pub part: Part,

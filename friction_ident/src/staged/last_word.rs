@@ -18,7 +18,9 @@ pub(super) fn take_over(estimates: &mut Estimates, side: Side, curve: &StribeckF
         let profile = curve.estimate(parameter).interval;
         let id = ParameterId::new(parameter.name()).side(side);
         let Some(estimate) = estimates.get_mut(id) else { continue };
-        if let (Some((low, high)), true) = (profile, has_dip) {
+        // A later fit may have gone where the scan did not look: its own interval is kept then.
+        let holds = |&(low, high): &(f64, f64)| (low..=high).contains(&estimate.value);
+        if let (Some((low, high)), true) = (profile.filter(holds), has_dip) {
             estimate.interval = Some(Interval { low, high, method: IntervalMethod::Profile });
         }
         if let Some(why) = why {

@@ -32,11 +32,15 @@ pub(super) fn intervals(
     let (low, high) = (SLOWER * speeds.0, FASTER * speeds.1);
     let between =
         |from: f64, to: f64, i: usize| from * (to / from).powf(i as f64 / (TRIALS - 1) as f64);
-    // Without a dip every `v_s` fits; a trial whose best dip is negative counts as none.
-    let sum_at = |v_s: f64| {
+    // Without a dip every `v_s` fits; a trial whose best dip is negative counts as none. So does one
+    // that no friction has: where friction grows ever more slowly with speed, a dip as wide as all
+    // speeds with a negative `f_c` fits best, and would set the limit for those that are allowed.
+    let plain = data.plain();
+    let allowed = |v_s: f64| {
         let trial = data.trial(v_s)?;
-        Some(if trial.dip < 0.0 { data.without_dip } else { trial.sum })
+        Some(if trial.dip < 0.0 || trial.f_c <= 0.0 { plain } else { trial })
     };
+    let sum_at = |v_s: f64| Some(allowed(v_s)?.sum);
     let grid: Vec<(f64, f64)> = (0..TRIALS)
         .map(|i| between(low, high, i))
         .filter_map(|v_s| Some((v_s, sum_at(v_s)?)))
@@ -69,10 +73,7 @@ pub(super) fn intervals(
         }
     };
     let trials = (0..TRIALS).map(|i| between(from, to, i)).chain([centre]);
-    trials
-        .filter_map(|v_s| data.trial(v_s))
-        .filter(|trial| trial.sum <= limit)
-        .for_each(&mut widen);
+    trials.filter_map(allowed).filter(|trial| trial.sum <= limit).for_each(&mut widen);
     let [mut f_s, f_c, f_v] = linear.map(|(low, high)| Interval {
         // What friction excludes is no part of it.
         low: low.max(0.0),

@@ -92,6 +92,16 @@ impl Separable {
         self.speed.len()
     }
 
+    /// The best curve without a dip.
+    pub fn plain(&self) -> Trial {
+        let [r11, r12, r22] = self.triangle;
+        let f_v = self.along[1] / r22;
+        let f_c = (self.along[0] - f_v * r12) / r11;
+        let level = (1.0 / r11).powi(2) + (r12 / (r11 * r22)).powi(2);
+        let variances = [level, level, (1.0 / r22).powi(2)];
+        Trial { v_s: f64::NAN, dip: 0.0, f_c, f_v, sum: self.without_dip, variances }
+    }
+
     /// The best curve for `v_s`; none where the dip has no effect there or cannot be told from the
     /// rest.
     pub fn trial(&self, v_s: f64) -> Option<Trial> {

@@ -51,6 +51,26 @@ fn exact_data_give_the_truth_back() {
     assert_eq!(fit.unidentifiable, [None; 4]);
 }
 
+/// Real axes have friction that grows ever more slowly with speed (EMPS, a TX40's first joint). What
+/// fits it best is a dip as wide as all speeds over a negative `f_c`, which no friction has: it must
+/// not draw the intervals away from the estimates.
+#[test]
+fn friction_that_levels_off_has_its_estimates_within_their_intervals() {
+    for noise in [0.0005, 0.002, 0.008] {
+        let mut rng = Pcg64Mcg::seed_from_u64(11);
+        let normal = Normal::new(0.0, noise).unwrap();
+        let torque = |v: f64| 0.05 + 0.08 * (1.0 - (-v).exp()) + 0.005 * v;
+        let points: Vec<SteadyPoint> = protocol_speeds()
+            .into_iter()
+            .map(|v| SteadyPoint::new(v, torque(v) + normal.sample(&mut rng)))
+            .collect();
+        for estimate in fit(&points).estimates() {
+            let (low, high) = estimate.interval.unwrap_or((0.0, f64::INFINITY));
+            assert!((low..=high).contains(&estimate.value), "{noise}: {estimate:?}");
+        }
+    }
+}
+
 #[test]
 fn both_directions_and_points_at_rest() {
     let mut points = exact(&TRUTH);

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 
 use commission::hand_over::{believed, summary};
 use commission::run::clear;
@@ -44,8 +45,11 @@ pub fn execute(command: &CommissionCommand) -> anyhow::Result<()> {
     if let Some(machines) = args.trial {
         let (seed, wanted) = (args.seed, args.want.clone());
         let protocol = args.protocols.then(ConstantVelocityProtocol::default);
-        let trial = Trial { machines, seed, wanted, allowed: 60.0 * args.minutes, protocol };
-        return super::commission_trial::execute(&trial, &args.to, args.quiet, args.saying);
+        let allowed = 60.0 * args.minutes;
+        let cores = || thread::available_parallelism().map_or(1, usize::from);
+        let workers = args.jobs.map_or_else(cores, usize::from);
+        let trial = Trial { machines, seed, wanted, allowed, protocol, workers };
+        return super::commission_trial::execute(&trial, args);
     }
     if args.protocols {
         let asked = asked(args, &choose(Some(&RigChoice::Simulated), None)?)?;

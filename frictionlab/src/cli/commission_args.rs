@@ -11,6 +11,7 @@ use rig_driver::RigRegistry;
 use rig_setup::RigChoice;
 use work::destination::ToFolder;
 use work::model_name::model_name;
+use work::part::InParts;
 use work::saying::Saying;
 use work::suggestion::did_you_mean;
 
@@ -97,6 +98,11 @@ pub struct CommissionArgs {
     #[arg(long, value_name = "N", value_parser = machines,
         conflicts_with_all = ["rig", "rig_file", "voltage_limit", "resume", "yes", "miswired", "plant"])]
     pub(super) trial: Option<u32>,
+    #[command(flatten)]
+    pub(super) parts: InParts,
+    /// Threads of --trial [default: all cores]; the figures do not depend on it
+    #[arg(long, value_name = "N", requires = "trial", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(super) jobs: Option<u16>,
     /// Drive the thesis's constant velocities beside it, and show rig time and intervals of both: on
     /// the simulated rig, or on every machine of --trial
     #[arg(long, conflicts_with_all = ["rig", "rig_file", "voltage_limit", "resume", "yes", "miswired"])]

@@ -32,6 +32,11 @@ pub(super) struct Planned {
 /// # Errors
 /// [`BadInput`].
 pub(super) fn checked(args: &CommissionArgs) -> anyhow::Result<()> {
+    let in_parts = args.parts.part.is_some() || args.parts.join.is_some();
+    if in_parts && args.trial.is_none() {
+        let said = "--part and --join cut a trial; expected them with --trial N";
+        return Err(BadInput(said.to_owned()).into());
+    }
     if (4.0..=120.0).contains(&args.minutes) {
         return Ok(());
     }

@@ -2,16 +2,19 @@
 
 use std::path::Path;
 
-use commission::trial::{Table, Trial, table, trial};
-use files::write_all;
+use commission::trial::{Case, Table, Trial, TrialPart, join, table, trial};
+use files::{Folder, write_all};
 use serde_json::json;
-use work::destination::ToFolder;
+use work::part::{self, Part};
 use work::progress::Progress;
-use work::saying::Saying;
 
+use super::commission_args::CommissionArgs;
 use super::commission_words::worded;
+use super::in_parts;
 use crate::interruption;
 
+/// Name of the folders and of the parts.
+const WORK: &str = "commission --trial";
 /// Name of the document.
 const DOCUMENT: &str = "trial.json";
 
@@ -19,15 +22,37 @@ const DOCUMENT: &str = "trial.json";
 ///
 /// # Errors
 /// As for a commission.
-pub fn execute(asked: &Trial, to: &ToFolder, quiet: bool, saying: Saying) -> anyhow::Result<()> {
+pub fn execute(asked: &Trial, args: &CommissionArgs) -> anyhow::Result<()> {
+    if let Some(parts) = &args.parts.join {
+        let parts = part::read(parts, WORK)?;
+        let lacking = parts.lacking();
+        let cases = join(asked, parts)?;
+        wrote(asked, &cases, args, args.to.reserve("trial")?)?;
+        return in_parts::joined(lacking);
+    }
+    let machines = args.parts.part.unwrap_or(Part::WHOLE).range(asked.machines);
     let stop = interruption::watch(interruption::DRIVING)?;
-    let folder = to.reserve("trial")?;
-    saying.begin();
-    let progress = Progress::counting(u64::from(asked.machines), "machines", quiet);
-    let cases = trial(asked, folder.path(), &stop, &progress);
+    let folder = args.to.reserve("trial")?;
+    args.saying.begin();
+    let progress = Progress::counting(machines.len() as u64, "machines", args.quiet);
+    let cases = trial(asked, machines, folder.path(), &stop, &progress);
     progress.finish();
     let cases = cases.map_err(worded)?;
-    let found: Table = table(&cases);
+    if let Some(part) = args.parts.part {
+        let found = TrialPart::new(asked, cases);
+        return in_parts::wrote(WORK, part, &found, (&folder, args.saying, args.quiet));
+    }
+    wrote(asked, &cases, args, folder)
+}
+
+/// Writes and prints what came of machines.
+fn wrote(
+    asked: &Trial,
+    cases: &[Case],
+    args: &CommissionArgs,
+    folder: Folder,
+) -> anyhow::Result<()> {
+    let found: Table = table(cases);
     let document = json!({
         "format": "frictionlab-commission-trial",
         "format_version": 1,
@@ -40,5 +65,5 @@ pub fn execute(asked: &Trial, to: &ToFolder, quiet: bool, saying: Saying) -> any
     write_all(folder.path(), &[(DOCUMENT, document.clone())])?;
     let folder = folder.into_path();
     let text = format!("{found}machines    {}\n", Path::new(&folder).join(DOCUMENT).display());
-    saying.result(quiet, &document, &text)
+    args.saying.result(args.quiet, &document, &text)
 }

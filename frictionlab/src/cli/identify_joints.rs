@@ -9,16 +9,15 @@ use work::{BadInput, Interrupted};
 use super::identify;
 
 /// Identifies the joint that was named, or each of several, in a folder of its own. With `--json`
-/// several joints give a list. A joint that cannot be identified is told, and the others go on.
+/// several joints give a list. A joint that cannot be identified is told, and the others go on. Files
+/// that name no joints are their one joint.
 ///
 /// # Errors
 /// As [`identify::execute`]; [`BadInput`] at the end, where a joint could not be identified.
 pub fn execute(mut args: IdentifyArgs) -> anyhow::Result<()> {
     let joints = args.joints()?;
-    if let [only] = &joints[..] {
-        args.joint = Some(only.clone());
-    }
     if joints.len() < 2 {
+        args.joint = joints.into_iter().next();
         return identify::execute(&args);
     }
     let folder = args.to.reserve("identify")?;

@@ -25,6 +25,7 @@ pub mod identify_drive;
 pub mod identify_joints;
 pub mod identify_servo;
 pub mod identify_stiction;
+mod in_parts;
 #[cfg(feature = "ros")]
 pub mod launch;
 #[cfg(feature = "ros")]

@@ -1,5 +1,6 @@
 //! `frictionlab monte-carlo`: what compensation is worth when its parameters are wrong.
 
+use std::path::Path;
 use std::thread;
 use std::time::Instant;
 
@@ -7,18 +8,24 @@ use anyhow::Context;
 use clap::ValueEnum;
 use friction_model::ModelName;
 
+use super::in_parts;
 use crate::interruption;
 use experiment_runner::compensation::{Arm, Means};
+use files::Folder;
 use report::{linked, render_page};
 use studies::monte_carlo::{
-    BeliefErrors, Setting, Sharing, StudyOptions, Task, page::page, terminal::summary,
+    BeliefErrors, Setting, Sharing, Study, StudyOptions, Task, page::page, terminal::summary,
 };
 use work::BadInput;
 use work::Interrupted;
 use work::destination::ToFolder;
 use work::model_name::model_name;
+use work::part::{self, InParts, Part};
 use work::progress::{Progress, about};
 use work::saying::Saying;
+
+/// Name of the command, of its folders and of its parts.
+const WORK: &str = "monte-carlo";
 
 /// Compensate with wrong parameters, a thousand times
 ///
@@ -78,6 +85,9 @@ pub struct MonteCarloArgs {
     #[command(flatten)]
     to: ToFolder,
 
+    #[command(flatten)]
+    parts: InParts,
+
     /// Threads [default: all cores]; the figures do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
@@ -107,14 +117,18 @@ enum TaskArg {
 /// [`BadInput`] for what the user can mend, [`Interrupted`] after ctrl-C.
 pub fn execute(args: &MonteCarloArgs) -> anyhow::Result<()> {
     let options = options(args)?;
-    let folder = args.to.reserve("monte-carlo")?;
+    if let Some(parts) = &args.parts.join {
+        return joined(args, &options, parts);
+    }
+    let draws = args.parts.part.unwrap_or(Part::WHOLE).range(options.draws);
+    let folder = args.to.reserve(WORK)?;
     let cancel = interruption::watch(interruption::WRITING)?;
 
     args.saying.begin();
-    let progress = Progress::counting(options.length(), "draws", args.quiet);
+    let progress = Progress::counting(options.length(draws.len()), "draws", args.quiet);
     progress.stage("compensating with wrong parameters");
     if !args.quiet
-        && let Some(seconds) = options.expected_seconds()?
+        && let Some(seconds) = options.expected_seconds(draws.len())?
     {
         eprintln!(
             "monte-carlo: {} on {} threads; ctrl-C keeps what is there",
@@ -123,29 +137,48 @@ pub fn execute(args: &MonteCarloArgs) -> anyhow::Result<()> {
         );
     }
     let started = Instant::now();
-    let study = options.make(&progress, &cancel);
+    let study = options.make(draws, &progress, &cancel);
     let seconds = started.elapsed().as_secs_f64();
     progress.finish();
     let study = study?;
-    let json = serde_json::to_string(&study).context("cannot describe the results")?;
-    folder.write(&[
-        ("report.html", render_page(&linked(page(&study), ["monte-carlo.json"]))),
-        ("monte-carlo.json", json.clone()),
-    ])?;
+    if let Some(part) = args.parts.part {
+        if study.stopped {
+            return Err(Interrupted(in_parts::STOPPED.to_owned()).into());
+        }
+        return in_parts::wrote(WORK, part, &study, (&folder, args.saying, args.quiet));
+    }
     let runs = study.runs();
-    let text = format!(
-        "{}{runs} runs in {seconds:.1} s, {:.0} a second on {} threads\nReport  {}\n",
-        summary(&study),
+    let speed = format!(
+        "{runs} runs in {seconds:.1} s, {:.0} a second on {} threads\n",
         runs as f64 / seconds,
         options.workers,
-        folder.join("report.html").display()
     );
-    args.saying.result(args.quiet, &json, &text)?;
+    wrote(args, &study, &folder, &speed)?;
     if study.stopped {
         let what = "stopped before the end; the draws done by then are in the report";
         return Err(Interrupted(what.to_owned()).into());
     }
     Ok(())
+}
+
+/// Joins parts.
+fn joined(args: &MonteCarloArgs, options: &StudyOptions, parts: &Path) -> anyhow::Result<()> {
+    let parts = part::read(parts, WORK)?;
+    let study = options.join(&parts)?;
+    wrote(args, &study, &args.to.reserve(WORK)?, "")?;
+    in_parts::joined(parts.lacking())
+}
+
+/// Writes and prints a study.
+fn wrote(args: &MonteCarloArgs, study: &Study, folder: &Folder, speed: &str) -> anyhow::Result<()> {
+    let json = serde_json::to_string(study).context("cannot describe the results")?;
+    folder.write(&[
+        ("report.html", render_page(&linked(page(study), ["monte-carlo.json"]))),
+        ("monte-carlo.json", json.clone()),
+    ])?;
+    let report = folder.join("report.html");
+    let text = format!("{}{speed}Report  {}\n", summary(study), report.display());
+    args.saying.result(args.quiet, &json, &text)
 }
 
 fn options(args: &MonteCarloArgs) -> Result<StudyOptions, BadInput> {

@@ -6,15 +6,21 @@ use anyhow::Context;
 use friction_ident::truth_matrix::MODELS;
 use friction_model::ModelName;
 
+use super::in_parts;
 use crate::interruption;
+use files::Folder;
 use report::{linked, render_page};
-use studies::truth_matrix::{MatrixOptions, compute, page, summary};
+use studies::truth_matrix::{Matrix, MatrixOptions, compute, page, summary};
 use work::BadInput;
 use work::Interrupted;
 use work::destination::ToFolder;
 use work::model_name::model_name;
+use work::part::{self, InParts, Part};
 use work::progress::Progress;
 use work::saying::Saying;
+
+/// Name of the command, of its folders and of its parts.
+const WORK: &str = "truth-matrix";
 
 /// See how far a ranking of models can be trusted
 ///
@@ -42,6 +48,9 @@ pub struct TruthMatrixArgs {
 
     #[command(flatten)]
     to: ToFolder,
+
+    #[command(flatten)]
+    parts: InParts,
 
     /// Threads [default: all cores]; the results do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -79,23 +88,28 @@ pub fn execute(args: &TruthMatrixArgs) -> anyhow::Result<()> {
     let workers = args
         .jobs
         .map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from);
-    let folder = args.to.reserve("truth-matrix")?;
-    let cancel = interruption::watch(interruption::WRITING)?;
-
     let options = MatrixOptions { models, noise: args.noise, seeds: args.seeds, workers };
-    let length = options.models.len() as u64 * u64::from(options.seeds);
+    if let Some(parts) = &args.parts.join {
+        let parts = part::read(parts, WORK)?;
+        let matrix = options.join(&parts)?;
+        wrote(args, &matrix, &args.to.reserve(WORK)?)?;
+        return in_parts::joined(parts.lacking());
+    }
+    let pieces = args.parts.part.unwrap_or(Part::WHOLE).range(options.pieces());
+    let folder = args.to.reserve(WORK)?;
+    let cancel = interruption::watch(interruption::WRITING)?;
     args.saying.begin();
-    let progress = Progress::counting(length, "truths and seeds", args.quiet);
-    let matrix = compute(&options, &progress, &cancel);
+    let progress = Progress::counting(pieces.len() as u64, "truths and seeds", args.quiet);
+    let matrix = compute(&options, pieces, &progress, &cancel);
     progress.finish();
     let matrix = matrix?;
-    let json = serde_json::to_string_pretty(&matrix).context("cannot describe the results")?;
-    folder.write(&[
-        ("report.html", render_page(&linked(page(&matrix), ["truth-matrix.json"]))),
-        ("truth-matrix.json", json.clone()),
-    ])?;
-    let text = format!("{}\nReport  {}\n", summary(&matrix), folder.join("report.html").display());
-    args.saying.result(args.quiet, &json, &text)?;
+    if let Some(part) = args.parts.part {
+        if matrix.stopped {
+            return Err(Interrupted(in_parts::STOPPED.to_owned()).into());
+        }
+        return in_parts::wrote(WORK, part, &matrix, (&folder, args.saying, args.quiet));
+    }
+    wrote(args, &matrix, &folder)?;
     if matrix.stopped {
         return Err(Interrupted(
             "stopped before the end; what was done by then is in the report".to_owned(),
@@ -103,4 +117,15 @@ pub fn execute(args: &TruthMatrixArgs) -> anyhow::Result<()> {
         .into());
     }
     Ok(())
+}
+
+/// Writes and prints a matrix.
+fn wrote(args: &TruthMatrixArgs, matrix: &Matrix, folder: &Folder) -> anyhow::Result<()> {
+    let json = serde_json::to_string_pretty(matrix).context("cannot describe the results")?;
+    folder.write(&[
+        ("report.html", render_page(&linked(page(matrix), ["truth-matrix.json"]))),
+        ("truth-matrix.json", json.clone()),
+    ])?;
+    let text = format!("{}\nReport  {}\n", summary(matrix), folder.join("report.html").display());
+    args.saying.result(args.quiet, &json, &text)
 }

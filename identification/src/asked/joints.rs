@@ -8,7 +8,8 @@ use work::BadInput;
 use super::IdentifyArgs;
 
 impl IdentifyArgs {
-    /// The joints that are meant; none where none was named.
+    /// The joints that are meant; none where none was named, and where the file as a whole is what
+    /// `all` means: it names no joints.
     ///
     /// # Errors
     /// [`BadInput`] or [`RecordingError`](recording::RecordingError) where the first file does not hold
@@ -25,13 +26,6 @@ impl IdentifyArgs {
             return Ok(vec![named.clone()]);
         }
         if named == "all" {
-            if present.is_empty() {
-                let file = file.display();
-                return Err(BadInput(format!(
-                    "--joint all: {file} holds no joints, as no column is called q[2] or q2; leave it out"
-                ))
-                .into());
-            }
             return Ok(present);
         }
         let mut wanted: Vec<String> = Vec::new();

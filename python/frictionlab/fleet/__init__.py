@@ -2,7 +2,7 @@
 
 `run` identifies every recording of a folder, a pattern or a table of addresses, here or in an object store, on
 all cores or on a Ray cluster. `read` opens what a run has written. The command is `friction-fleet`, or
-``python -m frictionlab.fleet``.
+``python -m frictionlab.fleet``. `frictionlab.fleet.search` does one long computation in shares on the same engines.
 
 >>> from frictionlab import fleet
 >>> fleet.Settings({"model": "lugre"}).longest_s

@@ -31,7 +31,7 @@ from friction_analysis.console import command, conclude, positive
 
 from ..errors import BadInput, FrictionlabError
 from .fleet import read
-from .progress import Count, Shown
+from .progress import Count, Shown, counted
 from .run import run
 
 if TYPE_CHECKING:
@@ -72,15 +72,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="NAME=VALUE",
         help="any other option of `frictionlab identify`, as torque-source=driving; repeatable",
     )
-    parser.add_argument(
-        "--engine", choices=("local", "ray"), default="local", help="cores of this machine, or a Ray cluster (default: local)"
-    )
-    parser.add_argument(
-        "--workers", type=_whole, metavar="N", help="processes side by side (default: all cores, or the cluster's)"
-    )
-    parser.add_argument(
-        "--ray-address", metavar="HOST:PORT", help="the cluster (default: $RAY_ADDRESS, or one of this machine alone)"
-    )
+    engines(parser)
     parser.add_argument(
         "--storage",
         action="append",
@@ -108,6 +100,19 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--page-only", action="store_true", help="write the page of --out anew, and identify nothing")
     parser.add_argument("--quiet", action="store_true", help="say nothing until the end")
     return parser
+
+
+def engines(parser: argparse.ArgumentParser) -> None:
+    """The options that say on what work is done."""
+    parser.add_argument(
+        "--engine", choices=("local", "ray"), default="local", help="cores of this machine, or a Ray cluster (default: local)"
+    )
+    parser.add_argument(
+        "--workers", type=whole, metavar="N", help="processes side by side (default: all cores, or the cluster's)"
+    )
+    parser.add_argument(
+        "--ray-address", metavar="HOST:PORT", help="the cluster (default: $RAY_ADDRESS, or one of this machine alone)"
+    )
 
 
 def _run(given: argparse.Namespace) -> int:
@@ -146,7 +151,8 @@ def _run(given: argparse.Namespace) -> int:
     names = changed[changed["changed"]][["machine", "joint"]].drop_duplicates()
     for machine, joint in names.head(20).itertuples(index=False):
         print(f"changed: {' '.join(filter(None, (machine, joint))) or 'the joint'}")
-    print(f"{fleet.about['recordings']} recordings, {failed} not usable, {len(names)} joints changed: {given.out}/report.html")
+    through = f"{counted(fleet.about['recordings'], 'recording')}, {failed} not usable, {counted(len(names), 'joint')} changed"
+    print(f"{through}: {given.out}/report.html")
     return 0
 
 
@@ -179,7 +185,8 @@ def _option(text: str) -> tuple[str, str]:
     return found[1], found[2]
 
 
-def _whole(text: str) -> int:
+def whole(text: str) -> int:
+    """Reads an argument that must be a whole number above zero."""
     if not text.isdecimal() or not 1 <= int(text) <= 100_000:
         raise argparse.ArgumentTypeError(f"a whole number from 1 was expected, but {text!r} came")
     return int(text)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import BadInput
 from .dataset import Dataset
 from .needs import needed
+from .progress import counted
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -115,4 +116,4 @@ class Fleet:
         self._dataset.write("joints.parquet", sink.getvalue())
 
     def __repr__(self) -> str:
-        return f"<Fleet: {self.about['recordings']} recordings in {self._dataset.out}>"
+        return f"<Fleet: {counted(self.about['recordings'], 'recording')} in {self._dataset.out}>"

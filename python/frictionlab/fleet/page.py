@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .progress import counted
+
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
@@ -41,9 +43,10 @@ def page(fleet: Fleet, false_alarms: float) -> str:
     judged = len(joints[joints["judged"]].groupby(["machine", "joint"])) if len(joints) else 0
     of_joints = len(joints.groupby(["machine", "joint"])) if len(joints) else 0
     names = changed[["machine", "joint"]].drop_duplicates()
+    through = f"{counted(fleet.about['recordings'], 'recording')}, {counted(of_joints, 'joint')}"
     parts = [
         "<h1>Friction of a fleet</h1>",
-        f"<p>{fleet.about['recordings']} recordings, {of_joints} joints. {_first(len(names), judged, false_alarms)}</p>",
+        f"<p>{through}. {_first(len(names), judged, false_alarms)}</p>",
         "" if fleet.about.get("complete") else '<p class="alarm">The run was stopped: not all recordings are in it.</p>',
         "<h2>Joints that changed</h2>",
         _changed(changed, judged, of_joints, false_alarms),
@@ -96,13 +99,13 @@ def _first(changed: int, judged: int, false_alarms: float) -> str:
     if not judged:
         return "No joint could be judged for change: that needs the time or the age of every recording, and several recordings."
     expected = false_alarms * judged
-    return f"{changed} of {judged} joints that could be judged have changed; chance alone would name {expected:.2g}."
+    return f"Of {counted(judged, 'joint')} that could be judged, {changed} changed; chance alone would name {expected:.2g}."
 
 
 def _changed(changed: pd.DataFrame, judged: int, of: int, false_alarms: float) -> str:
     columns = ["machine", "joint", "parameter", "difference", "difference_low_95", "difference_high_95", "value", "unit"]
     columns += ["begins", "known_from", "probability_of_chance"]
-    note = f'<p class="note">{of - judged} joints have too few recordings to be judged.</p>' if judged < of else ""
+    note = f'<p class="note">{counted(of - judged, "joint")} with too few recordings to be judged.</p>' if judged < of else ""
     said = f"<p>An unchanged joint is named here in {100 * false_alarms:g} % of the cases.</p>" if judged else ""
     return said + _table(changed.sort_values("probability_of_chance"), columns) + note
 

@@ -8,13 +8,24 @@ from dataclasses import dataclass, field
 from typing import TextIO
 
 
+def counted(number: int, what: str) -> str:
+    """So many of them, in words.
+
+    >>> counted(1, "recording"), counted(2, "recording")
+    ('1 recording', '2 recordings')
+    """
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
+
+
 @dataclass
 class Count:
-    """Recordings of a run."""
+    """Recordings of a run, or shares of a search."""
 
     # All of them.
     of: int
-    # Identified in this run, or found to be unusable.
+    # What one of them is called.
+    what: str
+    # Done in this run, or found to be unusable.
     done: int = 0
     # Known from a run before.
     kept: int = 0
@@ -27,7 +38,7 @@ class Count:
         left = (self.of - self.kept - self.done) * seconds / max(self.done, 1)
         failed = f", {self.failed} not usable" if self.failed else ""
         kept = f", {self.kept} known from before" if self.kept else ""
-        through = f"{self.done + self.kept} of {self.of} recordings"
+        through = f"{self.done + self.kept} of {counted(self.of, self.what)}"
         return f"{through}{kept}{failed}, {self.done / seconds:.1f} a second, {_span(left)} left"
 
 

@@ -15,7 +15,7 @@ from .fleet import Fleet
 from .progress import Count
 from .settings import MEGABYTE, Settings
 from .sources import Recording, Where, recordings
-from .work import Outcome, Task
+from .work import Identifying, Outcome, Task
 
 
 def run(
@@ -23,7 +23,7 @@ def run(
     out: str | os.PathLike[str],
     *,
     names: str | None = None,
-    engine: str | Engine = "local",
+    engine: str | Engine[Task, Outcome] = "local",
     workers: int | None = None,
     ray_address: str | None = None,
     storage: Mapping[str, Any] | None = None,
@@ -51,8 +51,8 @@ def run(
     dataset = Dataset(out, dict(settings.storage))
     with dataset.alone():
         run = _Run(dataset, settings, found, read_again)
-        count = Count(len(found))
-        work = engine_of(engine, settings, workers, ray_address) if isinstance(engine, str) else engine
+        count = Count(len(found), "recording")
+        work = engine_of(engine, Identifying(settings), workers, ray_address) if isinstance(engine, str) else engine
         outcomes = work.outcomes(run.tasks(count))
         try:
             for outcome in outcomes:

@@ -40,6 +40,26 @@ class Outcome:
     rows: list[dict[str, Any]] = field(default_factory=list)
 
 
+@dataclass(frozen=True)
+class Identifying:
+    """The work of an engine (see `engines.Work`) whose tasks are recordings."""
+
+    settings: Settings
+
+    @property
+    def longest_s(self) -> float:
+        """A recording that takes longer is given up [s]."""
+        return self.settings.longest_s
+
+    def do(self, task: Task) -> Outcome:
+        """Identifies it."""
+        return outcome(self.settings, task)
+
+    def failed(self, task: Task, why: str) -> Outcome:
+        """The outcome of a recording that nobody could identify."""
+        return Outcome(task.recording.uri, error=f"{task.recording.uri}: {why}")
+
+
 class _TooLongError(Exception):
     pass
 

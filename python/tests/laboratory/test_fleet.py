@@ -141,7 +141,7 @@ def test_a_table_says_what_recordings_are(folder, tmp_path, capsys):
     # With the temperature taken out, ten recordings of which four are worn are that sure.
     assert main([*arguments, "--model", "coulomb_viscous", "--false-alarms", "0.05"]) == 0
     said = capsys.readouterr().out
-    assert "changed: arm3" in said and "60 recordings, 0 not usable, 1 joints changed" in said
+    assert "changed: arm3" in said and "60 recordings, 0 not usable, 1 joint changed" in said
     influences = fleet.read(tmp_path / "out").influences()
     assert set(influences["of"]) == {"temperature", "age"} and (influences["low_95"] < influences["high_95"]).all()
     assert main(["--page-only", "--out", str(tmp_path / "out"), "--false-alarms", "0.02"]) == 0

@@ -22,9 +22,11 @@ s3fs = pytest.importorskip("s3fs")
 pytest.importorskip("moto.server")
 
 from frictionlab import BadInput, fleet
+from frictionlab.fleet.search import search
 from frictionlab.fleet.trial.made import recording
 
 COUNT = int(os.environ.get("FLEET_RECORDINGS", "60"))
+PROGRAM = os.environ.get("FRICTIONLAB_BIN")
 NAMES = r"(?P<machine>arm[0-9]+)/(?P<time>[0-9]+)"
 
 
@@ -91,7 +93,7 @@ def workers_of(node):
     for process in node.all_processes["raylet"]:
         for task in Path(f"/proc/{process.process.pid}/task").iterdir():
             found += [int(pid) for pid in (task / "children").read_text().split()]
-    return [pid for pid in found if b"ray::outcome" in named(pid)]
+    return [pid for pid in found if b"ray::friction_fleet" in named(pid)]
 
 
 def named(pid):
@@ -127,6 +129,25 @@ def test_a_lost_worker_and_a_lost_node_change_nothing(store, cluster, tmp_path):
     assert rows["uri"].nunique() == COUNT and not rows.duplicated(["uri", "joint", "model", "parameter"]).any()
     assert len(by_ray.failed) == 2
     assert by_ray.to_html() == local.to_html()
+
+
+@pytest.mark.skipif(not PROGRAM, reason="FRICTIONLAB_BIN names no program")
+def test_a_search_that_loses_a_worker_finds_what_one_process_finds(cluster, tmp_path):
+    _, others = cluster
+    lost = []
+
+    def lose(count):
+        if not lost and (busy := workers_of(others[0])):
+            os.kill(busy[0], signal.SIGKILL)
+            lost.append("worker")
+
+    command = [PROGRAM, "monte-carlo", "--task", "position-tracking", "--draws", "12", "--means", "feedback"]
+    alone = tmp_path / "alone"
+    subprocess.run([*command, "--out", alone, "--quiet"], check=True)
+    found = search(command, tmp_path / "out", shares=8, engine="ray", on_progress=lose)
+    assert lost == ["worker"] and found.failed == []
+    for name in ("monte-carlo.json", "report.html"):
+        assert (found.out / name).read_bytes() == (alone / name).read_bytes()
 
 
 def test_results_go_to_the_store_and_are_found_there(store, tmp_path):

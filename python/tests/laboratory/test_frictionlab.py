@@ -1,4 +1,5 @@
 import gc
+import json
 import os
 import signal
 import subprocess
@@ -334,6 +335,23 @@ def test_an_export_that_cannot_be_is_refused_in_a_sentence():
     ):
         with pytest.raises(BadInput, match=said):
             found.export(target, **options)
+
+
+def test_a_recording_that_names_no_joints_is_its_one_joint(tmp_path):
+    v = np.linspace(0.05, 3.0, 40)
+    given = {"velocity_rad_s": np.r_[-v, v], "torque_Nm": np.r_[-0.1 - 0.04 * v, 0.1 + 0.04 * v]}
+    alone = frictionlab.identify(given, model="coulomb_viscous")
+    several = frictionlab.identify_joints(given, model="coulomb_viscous")
+    assert list(several) == [""] and several[""].document == alone.document
+    assert frictionlab.identify(given, model="coulomb_viscous", joint="all").document == alone.document
+    if PROGRAM:
+        file = tmp_path / "points.csv"
+        rows = zip(given["velocity_rad_s"], given["torque_Nm"], strict=True)
+        file.write_text("velocity_rad_s,torque_Nm\n" + "".join(f"{speed},{torque}\n" for speed, torque in rows))
+        command = [PROGRAM, "identify", file, "--model", "coulomb_viscous", "--joint", "all", "--json", "--out", tmp_path / "out"]
+        told = json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
+        value = told["models"]["coulomb_viscous"]["parameters"]["f_c"]["value"]
+        assert value == alone["coulomb_viscous"]["f_c"].value
 
 
 def test_several_joints_give_a_result_each():

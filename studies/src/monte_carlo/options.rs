@@ -6,7 +6,7 @@ use experiment_runner::test_bed::{TestBed, TestBedError, nominal_drive};
 use friction_model::{AnyModel, ModelError, ModelName};
 use friction_observer::EstimatorOptions;
 use rig_driver::{FrictionCoupling, RigError, Sensors, SimulationOptions};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{BeliefErrors, Task};
 
@@ -57,7 +57,7 @@ impl StudyError {
 }
 
 /// Units and sensors of a study.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Setting {
     /// Friction as a torque, sensors with noise and steps, the derivative of the measurement

@@ -125,7 +125,7 @@ mod tests {
             draws,
         };
         let study = Study {
-            program_version: "",
+            program_version: String::new(),
             arms,
             draws: 4,
             errors: BeliefErrors { fraction: 0.2, sharing: Sharing::Common, seed: 1 },

@@ -2,8 +2,9 @@
 
 use std::time::Instant;
 
+use friction_ident::information::or_nan;
 use friction_model::{AnyModel, ModelName, ViscousParameters};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{StudyError, StudyOptions, Task, bench};
 use experiment_runner::compensation::Arm;
@@ -11,13 +12,16 @@ use experiment_runner::test_bed::TestBed;
 use experiment_runner::tracking::{TrackingJob, TrackingRun};
 
 /// Figures of a run, of the shaft itself.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Trial {
     /// Mean square of the error [(rad/s)^2 or rad^2].
+    #[serde(deserialize_with = "or_nan")]
     pub mse: f64,
     /// Largest magnitude of the error [rad/s or rad].
+    #[serde(deserialize_with = "or_nan")]
     pub max_error: f64,
     /// Root mean square of the voltage \[V\].
+    #[serde(deserialize_with = "or_nan")]
     pub effort: f64,
 }
 
@@ -53,12 +57,12 @@ impl StudyOptions {
         self.run(task, none, Arm::None, draw)
     }
 
-    /// Time that the study takes on this machine \[s\], by one run of each task; nothing where it
+    /// Time that so many draws take on this machine \[s\], by one run of each task; nothing where it
     /// is no matter.
     ///
     /// # Errors
     /// [`StudyError`] if a loop cannot be put together.
-    pub fn expected_seconds(&self) -> Result<Option<f64>, StudyError> {
+    pub fn expected_seconds(&self, draws: usize) -> Result<Option<f64>, StudyError> {
         let (Some(&plant), Some(&arm)) = (self.plants.first(), self.arms.last()) else {
             return Ok(None);
         };
@@ -69,7 +73,7 @@ impl StudyOptions {
             once += started.elapsed().as_secs_f64();
         }
         // Beside the arms there is the linear controller alone, and the plant without friction.
-        let runs = f64::from(self.draws) * (self.plants.len() * (self.arms.len() + 1) + 1) as f64;
+        let runs = draws as f64 * (self.plants.len() * (self.arms.len() + 1) + 1) as f64;
         let seconds = once * runs / self.workers.max(1) as f64;
         Ok(Some(seconds).filter(|seconds| *seconds > 30.0))
     }

@@ -1,9 +1,11 @@
 //! Truth by model: identification tried on the friction of every model, over several seeds, in
 //! parallel.
 
+mod joined;
 mod page;
 mod terminal;
 
+use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
 use friction_ident::information::Standing;
@@ -11,7 +13,7 @@ use friction_ident::starting_model::breakaway_reach;
 use friction_ident::truth_matrix::{MODELS, Trial, try_models};
 use friction_ident::{IdentError, StagedOptions};
 use friction_model::{AnyModel, ModelName};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 pub use page::page;
 pub use terminal::summary;
@@ -33,7 +35,7 @@ pub struct MatrixOptions {
 }
 
 /// One truth under every seed.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// The model that made the data.
     pub truth: ModelName,
@@ -42,10 +44,10 @@ pub struct Row {
 }
 
 /// Everything that was tried.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Matrix {
     /// Version of the program.
-    pub program_version: &'static str,
+    pub program_version: String,
     /// The models, in the order of rows and columns.
     pub models: Vec<ModelName>,
     /// Noise [N m].
@@ -98,24 +100,41 @@ fn tied(trials: &[Trial], model: ModelName) -> bool {
     Standing::of(own.held_out, best.held_out, own.behind.is_tie()) == Standing::Alike
 }
 
+impl MatrixOptions {
+    /// Truths and seeds to try: what the work is cut into.
+    #[must_use]
+    pub fn pieces(&self) -> u32 {
+        self.seeds.saturating_mul(u32::try_from(self.ordered().len()).unwrap_or(u32::MAX))
+    }
+
+    /// The models in the order of rows and columns.
+    fn ordered(&self) -> Vec<ModelName> {
+        MODELS.into_iter().filter(|name| self.models.contains(name)).collect()
+    }
+
+    /// Each truth under each seed.
+    fn jobs(&self) -> impl Iterator<Item = (ModelName, u32)> + '_ {
+        let of = |truth| (1..=self.seeds).map(move |seed| (truth, seed));
+        self.ordered().into_iter().flat_map(of)
+    }
+}
+
 /// How far the test bed's contact bends \[rad\], for truths without pre-sliding.
 const REACH: f64 = 0.006;
 
-/// Tries all; what was done before `cancel` was set is kept.
+/// Tries some of the pieces; what was done before `cancel` was set is kept.
 ///
 /// # Errors
 /// [`IdentError`] where a model cannot be identified at all.
 pub fn compute(
     options: &MatrixOptions,
+    pieces: Range<u32>,
     progress: &Progress,
     cancel: &AtomicBool,
 ) -> Result<Matrix, IdentError> {
-    let models: Vec<ModelName> =
-        MODELS.into_iter().filter(|name| options.models.contains(name)).collect();
-    let jobs: Vec<(ModelName, u32)> = models
-        .iter()
-        .flat_map(|&truth| (1..=options.seeds).map(move |seed| (truth, seed)))
-        .collect();
+    let models = options.ordered();
+    let jobs: Vec<(ModelName, u32)> =
+        options.jobs().skip(pieces.start as usize).take(pieces.len()).collect();
     let mut rows: Vec<Row> = Vec::new();
     let work = |&(truth, seed): &(ModelName, u32)| {
         progress.stage(format!("truth {}, seed {seed}", truth.title()));
@@ -131,15 +150,12 @@ pub fn compute(
         )
     };
     let completion = run_in_order(&jobs, options.workers, cancel, work, |&(truth, _), trials| {
-        match rows.last_mut().filter(|row| row.truth == truth) {
-            Some(row) => row.trials.push(trials),
-            None => rows.push(Row { truth, trials: vec![trials] }),
-        }
+        joined::add(&mut rows, truth, trials);
         progress.advance(1.0);
         Ok(())
     })?;
     Ok(Matrix {
-        program_version: env!("CARGO_PKG_VERSION"),
+        program_version: env!("CARGO_PKG_VERSION").to_owned(),
         models,
         noise: options.noise,
         seeds: options.seeds,
@@ -172,6 +188,7 @@ mod tests {
         let run = |workers| {
             compute(
                 &options(workers),
+                0..4,
                 &Progress::counting(4, "fits", true),
                 &AtomicBool::new(false),
             )
@@ -196,7 +213,7 @@ mod tests {
         let options =
             MatrixOptions { models: vec![ModelName::Stribeck], noise: 1e-3, seeds: 2, workers: 1 };
         let matrix =
-            compute(&options, &Progress::counting(2, "fits", true), &AtomicBool::new(true))
+            compute(&options, 0..2, &Progress::counting(2, "fits", true), &AtomicBool::new(true))
                 .unwrap();
         assert!(matrix.stopped && matrix.rows.is_empty());
     }

@@ -5,16 +5,18 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use anyhow::{Context, Result, ensure};
-use serde::Serialize;
+use friction_ident::information::or_nan;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::machine::Truth;
 
 /// A parameter of which the truth is known.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Judged {
-    pub name: &'static str,
+    pub name: String,
     pub truth: f64,
+    #[serde(deserialize_with = "or_nan")]
     pub value: f64,
     /// Its 95 % interval.
     pub interval: Option<[f64; 2]>,
@@ -38,7 +40,7 @@ impl Judged {
 const FAR: f64 = 0.1;
 
 /// What the program said.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Answer {
     /// Its sentence, where it refused.
     pub refused: Option<String>,
@@ -172,7 +174,7 @@ fn of_structure(parameters: &Value, truth: &Truth) -> Vec<Judged> {
             "f_c.backward" => level - truth.offset,
             _ => level,
         };
-        let name = known;
+        let name = known.to_owned();
         let bound = |which: &str| parameter["interval"][which].as_f64();
         judged.push(Judged {
             name,
@@ -201,7 +203,7 @@ fn of_model(parameters: &Value, truth: &Truth) -> Vec<Judged> {
             (_, error) => error.map(|error| (value - 1.96 * error, value + 1.96 * error)),
         };
         judged.push(Judged {
-            name,
+            name: name.to_owned(),
             truth,
             value,
             interval: interval.map(|(low, high)| [low, high]),

@@ -4,6 +4,7 @@
 //! recording as a stranger would, and is scored on the second. Beside it stands what SciPy gives on
 //! the same halves. With `--real` the machines are recordings of real ones.
 
+mod joined;
 mod judge;
 mod machine;
 mod peer;
@@ -12,11 +13,14 @@ mod real;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::atomic::AtomicBool;
 
 use anyhow::{Result, ensure};
 use friction_ident::statistics::{quantile, sorted};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use work::part::{InParts, Part};
+use work::sequencer::run_in_order;
 
 use self::judge::Answer;
 use self::machine::Truth;
@@ -26,8 +30,8 @@ use crate::python_env;
 #[derive(Debug, Clone, clap::Args)]
 pub struct Strangers {
     /// Machines.
-    #[arg(long, default_value_t = 40, value_parser = clap::value_parser!(u64).range(1..))]
-    machines: u64,
+    #[arg(long, default_value_t = 40, value_parser = clap::value_parser!(u32).range(1..))]
+    machines: u32,
     /// Number of the first one.
     #[arg(long, default_value_t = 0)]
     first: u64,
@@ -40,6 +44,20 @@ pub struct Strangers {
     /// Leave SciPy out.
     #[arg(long)]
     alone: bool,
+    /// Where recordings and answers are put [default: target/strangers].
+    #[arg(long, value_name = "DIR", conflicts_with = "real")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    parts: InParts,
+    /// Machines side by side; the answers do not depend on it.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: u16,
+    /// Print the document in place of the table
+    #[arg(long)]
+    json: bool,
+    /// Do not name each machine
+    #[arg(long)]
+    quiet: bool,
     /// Real recordings in place of machines drawn at random: both halves of each must tell the same
     #[arg(long, conflicts_with_all = ["machines", "first"])]
     real: bool,
@@ -52,11 +70,9 @@ pub struct Strangers {
 }
 
 /// A machine with what was said of it.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 struct Case {
     number: u64,
-    #[serde(skip)]
-    truth: Truth,
     answer: Answer,
     /// Error of the best of the peer's models \[%\].
     peer: Option<f64>,
@@ -68,13 +84,18 @@ impl Strangers {
     /// # Errors
     /// When the program or the peer cannot be built or run.
     pub fn run(&self) -> Result<()> {
-        let target = python_env::target()?;
+        let in_parts = self.parts.part.is_some() || self.parts.join.is_some();
+        ensure!(!(self.real && in_parts), "--part and --join are of machines drawn at random");
+        if let Some(parts) = &self.parts.join {
+            let (cases, lacking) = joined::join(self, parts)?;
+            self.told(&self.root()?, &cases)?;
+            return lacking.map_or(Ok(()), |lacking| Err(anyhow::Error::msg(lacking)));
+        }
         let program = match &self.program {
             Some(program) => fs::canonicalize(program)?,
-            None => built(&target)?,
+            None => built(&python_env::target()?)?,
         };
-        let root = target.join("strangers");
-        let options: Vec<&str> = self.with.iter().map(String::as_str).collect();
+        let root = self.root()?;
         if self.real {
             let Some(data) = self.data.clone().or_else(::machine::recordings) else {
                 println!(
@@ -83,29 +104,67 @@ impl Strangers {
                 return Ok(());
             };
             let root = root.join("real");
+            let options = self.with.iter().map(String::as_str).collect();
             let asked = real::Asked { program, options, data, root, alone: self.alone };
             return asked.run(self.only.as_deref().unwrap_or_default());
         }
-        let mut cases = Vec::new();
-        for number in self.first..self.first + self.machines {
-            eprintln!("machine {number} ...");
-            let folder = root.join(number.to_string());
-            let truth = Truth::draw(number);
-            let rows = truth.record(number)?;
-            fs::create_dir_all(&folder)?;
-            let half = rows.time.len() / 2;
-            let write =
-                |name: &str, part| fs::write(folder.join(name), rows.csv(part, truth.velocity));
-            write("estimation.csv", 0..half)?;
-            write("validation.csv", half..rows.time.len())?;
-            let answer = judge::ask(&program, &folder, &truth, &options)?;
-            cases.push(Case { number, truth, answer, peer: None });
-        }
+        let own = self.parts.part.unwrap_or(Part::WHOLE).range(self.machines);
+        let numbers: Vec<u64> = own.map(|index| self.first + u64::from(index)).collect();
+        let mut cases = Vec::with_capacity(numbers.len());
+        let ask = |&number: &u64| self.ask(number, &program, &root);
+        let workers = usize::from(self.jobs);
+        run_in_order(&numbers, workers, &AtomicBool::new(false), ask, |_, case| {
+            cases.push(case);
+            Ok(())
+        })?;
         if !self.alone {
             peers(&root, &mut cases)?;
         }
-        fs::write(root.join("cases.json"), serde_json::to_string_pretty(&cases)?)?;
-        print!("{}", table(&cases));
+        match self.parts.part {
+            Some(part) => {
+                print!("{}", joined::document(self, part, cases)?);
+                Ok(())
+            }
+            None => self.told(&root, &cases),
+        }
+    }
+
+    /// Where recordings and answers are put.
+    fn root(&self) -> Result<PathBuf> {
+        match &self.out {
+            Some(out) => Ok(std::path::absolute(out)?),
+            None => Ok(python_env::target()?.join("strangers")),
+        }
+    }
+
+    /// Draws a machine and asks the program.
+    fn ask(&self, number: u64, program: &Path, root: &Path) -> Result<Case> {
+        if !self.quiet {
+            eprintln!("machine {number} ...");
+        }
+        let folder = root.join(number.to_string());
+        let truth = Truth::draw(number);
+        let rows = truth.record(number)?;
+        fs::create_dir_all(&folder)?;
+        let half = rows.time.len() / 2;
+        let write = |name: &str, part| fs::write(folder.join(name), rows.csv(part, truth.velocity));
+        write("estimation.csv", 0..half)?;
+        write("validation.csv", half..rows.time.len())?;
+        let options: Vec<&str> = self.with.iter().map(String::as_str).collect();
+        let answer = judge::ask(program, &folder, &truth, &options)?;
+        Ok(Case { number, answer, peer: None })
+    }
+
+    /// Writes and prints what came of machines.
+    fn told(&self, root: &Path, cases: &[Case]) -> Result<()> {
+        let document = serde_json::to_string_pretty(cases)?;
+        fs::create_dir_all(root)?;
+        fs::write(root.join("cases.json"), &document)?;
+        if self.json {
+            println!("{document}");
+        } else {
+            print!("{}", table(cases));
+        }
         Ok(())
     }
 }
@@ -130,9 +189,9 @@ fn peers(root: &Path, cases: &mut [Case]) -> Result<()> {
     }
     let jobs: Vec<_> = asked.iter().map(|(_, job)| job.clone()).collect();
     for ((number, _), errors) in asked.iter().zip(peer::errors(&jobs)?) {
-        let best = peer::best(&errors).map_or(f64::INFINITY, |(_, error)| error);
+        let best = peer::best(&errors).map(|(_, error)| error).filter(|error| error.is_finite());
         if let Some(case) = cases.iter_mut().find(|case| case.number == *number) {
-            case.peer = Some(best);
+            case.peer = best;
         }
     }
     Ok(())
@@ -142,7 +201,8 @@ fn table(cases: &[Case]) -> String {
     let mut text = String::from(
         "| machine | friction | rate [Hz] | what it has | structure | held out [%] | SciPy [%] | within 95 % | wrong | warned |\n|---|---|---|---|---|---|---|---|---|---|\n",
     );
-    for Case { number, truth, answer, peer } in cases {
+    for Case { number, answer, peer } in cases {
+        let truth = Truth::draw(*number);
         let has = [
             (truth.gravity.is_some(), "gravity"),
             (truth.offset != 0.0, "offset"),
@@ -162,7 +222,7 @@ fn table(cases: &[Case]) -> String {
             .parameters
             .iter()
             .filter(|judged| judged.wrong())
-            .map(|judged| judged.name)
+            .map(|judged| judged.name.as_str())
             .collect();
         let chosen = match &answer.refused {
             Some(refused) => format!("refused: {}", refused.lines().next().unwrap_or_default()),

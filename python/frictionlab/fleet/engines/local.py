@@ -1,6 +1,6 @@
 """The cores of this machine: a process a core, each watched by a thread.
 
-A process that a recording ends (out of memory, a crash in a reader) takes no other recording with it. Processes
+A process that a task ends (out of memory, a crash in a reader) takes no other task with it. Processes
 are started by their module and not by a copy of the caller, so that a script or a notebook needs no guard.
 """
 
@@ -15,30 +15,28 @@ from collections.abc import Generator, Iterable
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import suppress
 from itertools import islice
-from typing import Any
+from typing import Any, Generic
 
 from ...errors import Failure
-from ..settings import Settings
-from ..work import Outcome, Task
-from . import TRIES, died
+from . import TRIES, R, T, Work, died
 
 # How much longer than its own limit a process is waited for [s].
 GRACE = 30.0
 
 
-class Local:
+class Local(Generic[T, R]):
     """Processes on this machine."""
 
-    def __init__(self, settings: Settings, workers: int | None) -> None:
+    def __init__(self, work: Work[T, R], workers: int | None) -> None:
         self.workers = workers or _cores()
-        self._settings = settings
+        self._work = work
 
-    def outcomes(self, tasks: Iterable[Task]) -> Generator[Outcome, None, None]:
+    def outcomes(self, tasks: Iterable[T]) -> Generator[R, None, None]:
         """See `Engine`."""
         waiting = iter(tasks)
-        processes = _Processes(self._settings)
+        processes = _Processes(self._work)
         threads = ThreadPoolExecutor(self.workers, thread_name_prefix="friction-fleet")
-        running: set[Future[Outcome]] = set()
+        running: set[Future[R]] = set()
         try:
             while True:
                 room = 2 * self.workers - len(running)
@@ -54,28 +52,28 @@ class Local:
             processes.end()
 
 
-class _Processes:
+class _Processes(Generic[T, R]):
     """A process for each thread, made when it is first wanted."""
 
-    def __init__(self, settings: Settings) -> None:
-        self._settings = settings
+    def __init__(self, work: Work[T, R]) -> None:
+        self._work = work
         self._mine = threading.local()
         self._all: set[subprocess.Popen[bytes]] = set()
         self._lock = threading.Lock()
         self._ended = False
 
-    def work(self, task: Task) -> Outcome:
+    def work(self, task: T) -> R:
         """The outcome of a task, by the process of this thread."""
         for _ in range(TRIES):
             try:
                 process = self._process()
                 # The limit of the work itself may not be heard in the middle of a library's call.
-                watch = threading.Timer(self._settings.longest_s + GRACE, process.kill)
+                watch = threading.Timer(self._work.longest_s + GRACE, process.kill)
                 watch.daemon = True
                 watch.start()
                 try:
                     _send(process.stdin, task)
-                    found: Outcome = pickle.load(process.stdout)  # type: ignore[arg-type]
+                    found: R = pickle.load(process.stdout)  # type: ignore[arg-type]
                 finally:
                     watch.cancel()
                 return found
@@ -83,7 +81,7 @@ class _Processes:
                 self._gone()
                 if self._ended:
                     break
-        return died(task, TRIES)
+        return self._work.failed(task, died(TRIES))
 
     def _process(self) -> subprocess.Popen[bytes]:
         process: subprocess.Popen[bytes] | None = getattr(self._mine, "process", None)
@@ -94,7 +92,7 @@ class _Processes:
                 process = _started()
                 self._all.add(process)
             self._mine.process = process
-            _send(process.stdin, self._settings)
+            _send(process.stdin, self._work)
         return process
 
     def _gone(self) -> None:

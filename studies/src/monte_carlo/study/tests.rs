@@ -1,8 +1,11 @@
+use std::path::{Path, PathBuf};
+
 use super::*;
 use crate::monte_carlo::Sharing;
 use crate::monte_carlo::{page::page, terminal::summary};
 use experiment_runner::compensation::Means;
 use report::render_page;
+use work::part::{Part, document, read};
 
 /// A study of the proposed plant with errors of 20 %.
 fn options(draws: u32, workers: usize, arms: Vec<Arm>) -> StudyOptions {
@@ -18,7 +21,12 @@ fn options(draws: u32, workers: usize, arms: Vec<Arm>) -> StudyOptions {
 }
 
 fn make(options: &StudyOptions) -> Study {
-    options.make(&Progress::counting(1, "draws", true), &AtomicBool::new(false)).unwrap()
+    of(options, 0..options.draws)
+}
+
+fn of(options: &StudyOptions, draws: Range<u32>) -> Study {
+    let progress = Progress::counting(1, "draws", true);
+    options.make(draws, &progress, &AtomicBool::new(false)).unwrap()
 }
 
 fn arms() -> Vec<Arm> {
@@ -39,6 +47,44 @@ fn the_figures_do_not_depend_on_the_number_of_threads_and_are_shown() {
     }
 }
 
+/// The documents of parts in a folder, in an order that is not theirs.
+fn parts(options: &StudyOptions, of_them: u32, folder: &Path) -> Vec<PathBuf> {
+    let one = |number: u32| {
+        let part: Part = format!("{number}/{of_them}").parse().unwrap();
+        let found = of(options, part.range(options.draws));
+        let path = folder.join(format!("{}.json", 9 - number));
+        std::fs::write(&path, document("monte-carlo", part, &found).unwrap()).unwrap();
+        path
+    };
+    (1..=of_them).map(one).collect()
+}
+
+#[test]
+fn parts_that_are_joined_are_the_study_of_one_process_bit_for_bit() {
+    let asked = StudyOptions {
+        tasks: vec![Task::PositionTracking],
+        plants: vec![ModelName::Proposed, ModelName::LuGre],
+        ..options(5, 2, arms())
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let files = parts(&asked, 3, folder.path());
+    let join = |asked: &StudyOptions| asked.join(&read(folder.path(), "monte-carlo").unwrap());
+    let (whole, joined) = (make(&asked), join(&asked).unwrap());
+    let text = |study: &Study| serde_json::to_string(study).unwrap();
+    assert_eq!(text(&joined), text(&whole));
+    assert_eq!(render_page(&page(&joined)), render_page(&page(&whole)));
+    // Asked otherwise, they are not its parts.
+    let other = StudyOptions { draws: 6, ..asked.clone() };
+    assert!(join(&other).unwrap_err().to_string().contains("other options"));
+    // One that was stopped is none; one that is missing is counted.
+    let stopped = std::fs::read_to_string(&files[1]).unwrap();
+    std::fs::write(&files[1], stopped.replace("\"stopped\":false", "\"stopped\":true")).unwrap();
+    assert!(join(&asked).unwrap_err().to_string().contains("stopped before its end"));
+    std::fs::remove_file(&files[1]).unwrap();
+    let fewer = join(&asked).unwrap();
+    assert!(fewer.stopped && fewer.cells[0].draws.len() == 3, "{}", fewer.cells[0].draws.len());
+}
+
 #[test]
 fn draws_do_not_depend_on_what_else_is_compared() {
     let few = options(1, 1, vec![Arm::None, Arm::observer(ModelName::Proposed)]);
@@ -57,7 +103,7 @@ fn draws_do_not_depend_on_what_else_is_compared() {
 #[test]
 fn a_study_that_is_stopped_keeps_what_was_done() {
     let study = options(5, 1, arms())
-        .make(&Progress::counting(1, "draws", true), &AtomicBool::new(true))
+        .make(0..5, &Progress::counting(1, "draws", true), &AtomicBool::new(true))
         .unwrap();
     assert!(study.stopped && study.runs() == 0);
     assert!(summary(&study).contains("stopped before the end"));

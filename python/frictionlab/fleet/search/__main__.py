@@ -1,0 +1,7 @@
+"""``python -m frictionlab.fleet.search`` is the command `friction-search`."""
+
+import sys
+
+from .cli import main
+
+sys.exit(main())
