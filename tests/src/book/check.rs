@@ -3,7 +3,6 @@
 //! programs the names are known.
 
 use std::fs;
-use std::path::Path;
 use std::process::Stdio;
 
 use crate::{checkout, frictionlab, rig_emulator};
@@ -101,6 +100,12 @@ pub fn check(words: &[String]) -> Result<(), String> {
             | "friction-fleet"),
             rest @ ..,
         ] => python(name, rest),
+        // The command that is done in shares stands behind two dashes.
+        ["friction-search", rest @ ..] => {
+            let own = rest.iter().take_while(|word| **word != "--").count();
+            python("friction-search", &rest[..own])?;
+            check(&owned(rest.get(own + 1..).unwrap_or_default()))
+        }
         ["ros2", rest @ ..] => ros2(rest),
         ["cd", "python"] => Ok(()),
         ["do", rest @ ..] if !rest.is_empty() => check(&owned(rest)),
@@ -174,18 +179,20 @@ fn cargo(words: &[&str]) -> Result<(), String> {
 
 /// Options of the Python commands stand in their sources.
 fn python(name: &str, words: &[&str]) -> Result<(), String> {
-    let module = match name {
-        "friction-plot" => "friction_analysis/figures.py",
-        "friction-table" => "friction_analysis/table.py",
-        "friction-live" => "friction_analysis/live.py",
-        "friction-fleet" => "frictionlab/fleet/cli.py",
-        _ => "friction_analysis/experiment.py",
+    let modules: &[&str] = match name {
+        "friction-plot" => &["friction_analysis/figures.py"],
+        "friction-table" => &["friction_analysis/table.py"],
+        "friction-live" => &["friction_analysis/live.py"],
+        "friction-fleet" => &["frictionlab/fleet/cli.py"],
+        // The options of engines are those of a fleet.
+        "friction-search" => &["frictionlab/fleet/search/cli.py", "frictionlab/fleet/cli.py"],
+        _ => &["friction_analysis/experiment.py"],
     };
-    let file = Path::new("python").join(module);
-    let source = fs::read_to_string(checkout().join(file)).map_err(|error| error.to_string())?;
-    let unknown = words
-        .iter()
-        .find(|word| word.starts_with("--") && !source.contains(&format!("\"{word}\"")));
+    let read = |module: &&str| fs::read_to_string(checkout().join("python").join(module));
+    let sources: Vec<String> =
+        modules.iter().map(read).collect::<Result<_, _>>().map_err(|error| error.to_string())?;
+    let known = |word: &str| sources.iter().any(|source| source.contains(&format!("\"{word}\"")));
+    let unknown = words.iter().find(|word| word.starts_with("--") && !known(word));
     unknown.map_or(Ok(()), |word| Err(format!("{name} has no {word}")))
 }
 
