@@ -116,12 +116,17 @@ pub fn torque(level: f64, kind: u32) -> Vec<f64> {
         .collect()
 }
 
-/// The friction for a version of MuJoCo, whatever it costs.
+/// The friction for a version of a simulator, whatever it costs.
 ///
 /// # Panics
 /// Where it cannot be exported.
 #[must_use]
-pub fn exported(model: AnyModel, version: Version, armature: Option<f64>) -> Exported {
+pub fn exported(
+    model: AnyModel,
+    target: Target,
+    version: Version,
+    armature: Option<f64>,
+) -> Exported {
     let speeds = Speeds::new(0.01, 10.0, SpeedsFrom::Asked).expect("a range");
     let given = Given::new(model, "parameters.yaml", "", Some(speeds), None).expect("a friction");
     let options = Options {
@@ -131,7 +136,7 @@ pub fn exported(model: AnyModel, version: Version, armature: Option<f64>) -> Exp
         accept_unidentified: true,
         ..Options::default()
     };
-    export(&given, Target::Mjcf, Some(version), &options).expect("a file")
+    export(&given, target, Some(version), &options).expect("a file")
 }
 
 /// The motion that MuJoCo computes with an exported file.
@@ -141,12 +146,31 @@ pub fn exported(model: AnyModel, version: Version, armature: Option<f64>) -> Exp
 #[must_use]
 pub fn in_mujoco(python: &Path, include: &str, torque: &[f64]) -> Motion {
     let class = include.contains("<default>").then(|| format!("{JOINT}_friction"));
+    moved(python, "simulators_session.py", include, class, torque)
+}
+
+/// The motion that Newton computes with an exported file, by MuJoCo's solver on the processor.
+///
+/// # Panics
+/// As [`in_mujoco`].
+#[must_use]
+pub fn in_newton(python: &Path, file: &str, torque: &[f64]) -> Motion {
+    moved(python, "newton_session.py", file, None, torque)
+}
+
+fn moved(
+    python: &Path,
+    script: &str,
+    include: &str,
+    class: Option<String>,
+    torque: &[f64],
+) -> Motion {
     let asked = json!({
         "include": include, "class": class, "joint": JOINT, "inertia": INERTIA, "dt": STEP,
         "torque": torque, "every": EVERY,
     });
     let mut run = Command::new(python)
-        .arg(crate::python::script("simulators_session.py"))
+        .arg(crate::python::script(script))
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())

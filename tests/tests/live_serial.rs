@@ -53,16 +53,26 @@ fn a_live_run_drives_the_device_on_the_port_records_it_and_leaves_it_at_zero_vol
 
 #[test]
 fn a_cable_pulled_during_a_live_run_ends_it_with_a_sentence_and_a_whole_bag() {
-    let mut rig = Rig::start(&[]);
-    let mut run =
-        live(&rig, UNPLUGGED, &["--duration", "60", "--mode", "position", "--frequency", "2"])
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .expect("it starts");
-    let mut lines = BufReader::new(run.stdout.take().expect("its output")).lines();
-    while !lines.next().expect("it says that it is live").expect("text").contains("live at") {}
-    assert!(rig.driven_by(&mut run, 300), "{}", said(&run.wait_with_output().expect("it ends")));
+    let underway = || {
+        let mut rig = Rig::start(&[]);
+        let mut run =
+            live(&rig, UNPLUGGED, &["--duration", "60", "--mode", "position", "--frequency", "2"])
+                .stdout(Stdio::piped())
+                .stderr(Stdio::piped())
+                .spawn()
+                .expect("it starts");
+        let mut lines = BufReader::new(run.stdout.take().expect("its output")).lines();
+        let live = lines.any(|line| line.expect("text").contains("live at"));
+        if live && rig.driven_by(&mut run, 300) {
+            return Some((rig, run));
+        }
+        let text = said(&run.wait_with_output().expect("it ends"));
+        // As above: a busy machine may starve the line before it is pulled.
+        assert!(text.contains("no measurement came from"), "{text}");
+        None
+    };
+    let (mut rig, run) =
+        (0..10).find_map(|_| underway()).expect("one run of ten whose line is not starved");
     rig.order("unplug 100000");
     let output = run.wait_with_output().expect("it ends");
     let text = said(&output);

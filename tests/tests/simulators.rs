@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 use friction_model::{AnyModel, ModelName};
-use simulator_export::Version;
+use simulator_export::{Target, Version};
 use tests::python;
 use tests::simulators::{
     Apart, INERTIA, JOINT, Motion, STEP, exported, frictions, in_mujoco, of_model, torque,
@@ -43,7 +43,7 @@ fn an_exported_friction_moves_as_our_own_does() {
             };
             let armature = (name == "lugre").then_some(0.001);
             let torque = torque(level(&model), 0);
-            let file = exported(model, version, armature);
+            let file = exported(model, Target::Mjcf, version, armature);
             let theirs = in_mujoco(&interpreter, &file.text, &torque);
             let ours = of_model(model, INERTIA + armature.unwrap_or(0.0), &torque);
             assert!(theirs.version.starts_with(&version.to_string()), "{}", theirs.version);

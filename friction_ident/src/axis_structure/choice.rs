@@ -43,9 +43,10 @@ pub struct Choice {
 /// gives no leave. A structure that predicts worse than one with no more parameters is never
 /// chosen.
 ///
-/// Nor is one whose friction rises over the first speeds, unless it leaves at most three quarters
-/// of the error of all others: what looks like a rise is most often how friction builds up around
-/// the reversals of this recording, and fails where the axis slows down without turning round. One
+/// Nor is one whose friction rises over speeds that the recording only passes through, unless it
+/// leaves at most three quarters of the error of all others: what looks like a rise is most often
+/// how friction builds up around the reversals of this recording, and fails where the axis slows
+/// down without turning round. One
 /// whose friction would drive the axis at first is chosen only where there is no other. Both stay in
 /// the ranking, ahead of the best where they predict better.
 ///
@@ -55,9 +56,9 @@ pub fn choose(scores: &[CrossValidation]) -> Option<Choice> {
         let of_kind = scores.iter().filter(|score| score.first_speeds == first_speeds);
         of_kind.map(|score| score.relative_error).reduce(f64::min)
     };
-    let believed = match (least(FirstSpeeds::Falls), least(FirstSpeeds::Rises)) {
+    let believed = match (least(FirstSpeeds::Plausible), least(FirstSpeeds::Rises)) {
         (Some(falls), Some(rises)) if rises <= RISEN * falls => FirstSpeeds::Rises,
-        (Some(_), _) => FirstSpeeds::Falls,
+        (Some(_), _) => FirstSpeeds::Plausible,
         (None, Some(_)) => FirstSpeeds::Rises,
         (None, None) => FirstSpeeds::Drives,
     };
@@ -114,7 +115,7 @@ mod tests {
             force_power: 1.0,
             relative_error: 100.0 * sum.sqrt(),
             standard_error: 100.0 * sum_error(blocks) / (2.0 * sum.sqrt()),
-            first_speeds: FirstSpeeds::Falls,
+            first_speeds: FirstSpeeds::Plausible,
         }
     }
 

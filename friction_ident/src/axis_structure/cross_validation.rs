@@ -30,6 +30,9 @@ const OVER: f64 = 1e-3;
 const GUARD: usize = 15;
 /// Blocks where the recording is long enough for them.
 const USUAL: usize = 8;
+/// Share of a recording that must lie below the Stribeck velocity for a rise of the friction up to
+/// there to be seen, and not only passed through.
+const SEEN: f64 = 0.1;
 /// The guard of a recording of so few rows: its strongest neighbours.
 const SHORTEST_GUARD: usize = 3;
 
@@ -74,9 +77,10 @@ pub struct CrossValidation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FirstSpeeds {
-    /// It falls, as in a Stribeck dip, or stays as it is.
-    Falls,
-    /// It rises, in one direction by more than it falls in the other.
+    /// It falls, as in a Stribeck dip, stays as it is, or rises while the recording looks on.
+    Plausible,
+    /// It rises, in one direction by more than it falls in the other, over speeds that the
+    /// recording only passes through.
     Rises,
     /// It would begin below zero and drive the axis: no friction does.
     Drives,
@@ -123,7 +127,7 @@ pub fn cross_validate_beside(
         Some(simpler) => search.grown(&simpler.structure, simpler.shape, ENOUGH)?,
         None => search.whole()?,
     };
-    let first_speeds = first_speeds(&structure, &best);
+    let first_speeds = first_speeds(&structure, &best, &search);
     let whole = Whole::of(&mut search, &best)?;
     let mut squares = Vec::with_capacity(blocks);
     for block in 0..blocks {
@@ -153,7 +157,7 @@ pub fn cross_validate_beside(
 }
 
 /// What the friction of a fit does over the first speeds.
-fn first_speeds(structure: &AxisStructure, best: &Best) -> FirstSpeeds {
+fn first_speeds(structure: &AxisStructure, best: &Best, search: &Search) -> FirstSpeeds {
     let names = unknowns(structure, &AxisUnits::LINEAR);
     let value = |id: ParameterId| {
         let place = names.iter().position(|unknown| unknown.id == id)?;
@@ -167,10 +171,13 @@ fn first_speeds(structure: &AxisStructure, best: &Best) -> FirstSpeeds {
             least = f64::min(least, f_s);
         }
     }
+    let slow = |v: &f64| v.abs() < best.shape.v_s;
+    let velocity = search.regressors.velocity(&best.shape);
+    let seen = velocity.iter().filter(|v| slow(v)).count() as f64 >= SEEN * velocity.len() as f64;
     match least < 0.0 {
         true => FirstSpeeds::Drives,
-        false if rise > fall => FirstSpeeds::Rises,
-        false => FirstSpeeds::Falls,
+        false if rise > fall && !seen => FirstSpeeds::Rises,
+        false => FirstSpeeds::Plausible,
     }
 }
 

@@ -50,8 +50,8 @@ pub fn next(
     let richer = |beam: usize, harmonic: bool| {
         let mut wanted: Vec<AxisStructure> = Vec::new();
         let falling =
-            best.iter().filter(|score| score.first_speeds == FirstSpeeds::Falls).take(beam);
-        let rising = best.first().filter(|score| score.first_speeds != FirstSpeeds::Falls);
+            best.iter().filter(|score| score.first_speeds == FirstSpeeds::Plausible).take(beam);
+        let rising = best.first().filter(|score| score.first_speeds != FirstSpeeds::Plausible);
         for score in falling.chain(rising) {
             let known = |near: &AxisStructure| refused.contains(near) || error_of(near).is_some();
             // A bristle is tried alone first, and with its damping where that is worth nothing.
@@ -90,7 +90,7 @@ mod tests {
             force_power,
             relative_error,
             standard_error,
-            first_speeds: FirstSpeeds::Falls,
+            first_speeds: FirstSpeeds::Plausible,
         }
     }
 

@@ -82,7 +82,7 @@ pub fn remark(chosen: bool, warned: bool) -> String {
 fn disbelieved(ranked: &Ranked, score: &CrossValidation) -> Option<&'static str> {
     match score.first_speeds {
         _ if ranked.excess >= 0.0 => None,
-        FirstSpeeds::Falls => None,
+        FirstSpeeds::Plausible => None,
         FirstSpeeds::Rises => Some("passed over: friction rises over the first speeds"),
         FirstSpeeds::Drives => Some("passed over: friction begins below zero"),
     }
@@ -107,7 +107,7 @@ fn ranking(found: &Structured, warned: &[AxisStructure]) -> Table {
     });
     Table {
         title: "Structures, the chosen one first".to_owned(),
-        caption: "Then by the error. Relative error of the prediction of unseen blocks with its standard error, and the excess over the best with the standard error of the paired difference. What is passed over may predict better here: a rise is believed only where it takes off a quarter of the error."
+        caption: "Then by the error. Relative error of the prediction of unseen blocks with its standard error, and the excess over the best with the standard error of the paired difference. What is passed over may predict better here: a rise of friction over speeds that the recording only passes through is believed where it takes off a quarter of the error."
             .to_owned(),
         columns: ["structure", "parameters", "cross-validated error [%]", "excess [%]", "remark"].map(str::to_owned).to_vec(),
         rows: rows.collect(),
