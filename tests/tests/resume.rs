@@ -22,18 +22,26 @@ fn resume(run: &Path, from: &Path) -> Output {
     command.output().expect("it runs")
 }
 
-/// Kills the run once its journal has `jobs` jobs.
-fn kill_after(mut child: Child, run: &Path, jobs: usize) {
+/// Kills the run once its journal has `jobs` jobs. What it said, where it ended by itself before.
+fn kill_after(mut child: Child, run: &Path, jobs: usize) -> Result<(), String> {
     let done = || {
         let text = std::fs::read_to_string(run.join("journal.jsonl")).unwrap_or_default();
         text.matches("{\"done\"").count()
     };
     while done() < jobs {
-        assert_eq!(child.try_wait().expect("a child"), None, "it ended by itself");
+        if child.try_wait().expect("a child").is_some() {
+            return Err(said(&child.wait_with_output().expect("its end")));
+        }
         std::thread::sleep(Duration::from_millis(20));
     }
     child.kill().expect("it runs");
     child.wait().expect("it was killed");
+    Ok(())
+}
+
+/// A machine that is busy elsewhere starved the line to the device.
+fn starved(text: &str) -> bool {
+    ["no measurement came from", "keeps this machine busy"].iter().any(|one| text.contains(one))
 }
 
 fn results(text: &[u8]) -> Value {
@@ -70,7 +78,7 @@ fn a_run_that_was_killed_goes_on_and_finds_what_one_in_one_piece_finds() {
     let out = folder.path().join("out");
     let child =
         run(folder.path(), &["--protocol", "protocol.yaml", "--out=out", "--real-time"]).spawn();
-    kill_after(child.expect("it starts"), &out, 3);
+    kill_after(child.expect("it starts"), &out, 3).expect("it goes on");
 
     // The folder and nothing else, from wherever.
     let elsewhere = tempfile::tempdir().expect("a folder");
@@ -90,7 +98,7 @@ fn a_run_whose_protocol_was_edited_meanwhile_does_not_go_on() {
     let out = folder.path().join("out");
     let child =
         run(folder.path(), &["--protocol", "protocol.yaml", "--out=out", "--real-time"]).spawn();
-    kill_after(child.expect("it starts"), &out, 1);
+    kill_after(child.expect("it starts"), &out, 1).expect("it goes on");
     let edited = SHORT_PROTOCOL.replace("1.7 s", "1.8 s");
     std::fs::write(folder.path().join("protocol.yaml"), edited).expect("a protocol");
     let output = resume(&out, folder.path());
@@ -101,12 +109,21 @@ fn a_run_whose_protocol_was_edited_meanwhile_does_not_go_on() {
 
 #[test]
 fn a_run_on_a_device_goes_on_after_a_kill() {
-    let rig = EmulatedRig::start(&[]);
-    let out = rig.folder().join("out");
-    let arguments = ["--protocol", "protocol.yaml", "--out=out", &rig.choice()];
-    let child = run(rig.folder(), &arguments).spawn();
-    kill_after(child.expect("it starts"), &out, 3);
-    let found = went_on(&resume(&out, rig.folder()), &out);
+    let tried = || {
+        let rig = EmulatedRig::start(&[]);
+        let out = rig.folder().join("out");
+        let arguments = ["--protocol", "protocol.yaml", "--out=out", &rig.choice()];
+        let child = run(rig.folder(), &arguments).spawn();
+        if let Err(text) = kill_after(child.expect("it starts"), &out, 3) {
+            assert!(starved(&text), "it ended by itself: {text}");
+            return None;
+        }
+        let output = resume(&out, rig.folder());
+        let ended = output.status.success() || !starved(&said(&output));
+        ended.then(|| (went_on(&output, &out), rig))
+    };
+    let (found, rig) =
+        (0..10).find_map(|_| tried()).expect("one run of ten whose line is not starved");
     let points = found["constant_velocity"].as_array().expect("points");
     assert_eq!(points.len(), 8);
     for point in points {
