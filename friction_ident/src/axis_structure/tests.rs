@@ -90,15 +90,17 @@ fn the_true_parameters_lie_in_the_intervals() {
 
 #[test]
 fn what_friction_does_over_the_first_speeds_is_told() {
-    let told = |f_s: f64| {
-        let near = move |v: f64| (-(v / V_S).powi(2)).exp();
+    let told = |f_s: f64, v_s: f64| {
+        let near = move |v: f64| (-(v / v_s).powi(2)).exp();
         let friction = move |v: f64| v.signum() * (6.0 + (f_s - 6.0) * near(v)) + 9.0 * v;
         let recording = axis(friction, 0.0, 0.2);
         cross_validate(&recording, structure("symmetric+stribeck"), 8).unwrap().first_speeds
     };
-    assert_eq!(told(8.0), FirstSpeeds::Plausible);
-    assert_eq!(told(4.0), FirstSpeeds::Rises);
-    assert_eq!(told(-3.0), FirstSpeeds::Drives);
+    assert_eq!(told(8.0, V_S), FirstSpeeds::Plausible);
+    // Of this motion a fifth is slower than V_S, and little is slower than 0.01 m/s.
+    assert_eq!(told(4.0, V_S), FirstSpeeds::Plausible, "the recording looks on");
+    assert_eq!(told(4.0, 0.01), FirstSpeeds::Rises, "it passes through");
+    assert_eq!(told(-3.0, V_S), FirstSpeeds::Drives);
     let recording = axis(coulomb, 0.0, 0.2);
     let plain = cross_validate(&recording, AxisStructure::SYMMETRIC, 8).unwrap();
     assert_eq!(plain.first_speeds, FirstSpeeds::Plausible);
