@@ -66,8 +66,11 @@ await until('the server', () => seen.server && Object.keys(seen.topics).length);
 const loop = ['/joint_states', '/rig_measurement', '/reference', '/motor_voltage', '/friction_estimate', '/controller_state'];
 await until('the topics of the loop', () => loop.every((topic) => seen.topics[topic]?.messages >= ENOUGH));
 await until('the parameters', () => {
-  if (!seen.parameters.length) client.getParameters([], 'all');
-  return seen.parameters.length > 50;
+  // The nodes are found one after the other.
+  const ofNode = (node) => seen.parameters.filter(({ name }) => name.startsWith(node)).length;
+  const all = ['/rig_driver.', '/friction_observer.', '/controller.'].every((node) => ofNode(node) > 5);
+  if (!all) client.getParameters([], 'all');
+  return all && seen.parameters.length > 50;
 });
 // One is set to what it is.
 client.setParameters([seen.parameters.find(({ name }) => name.endsWith('.reference_timeout'))].filter(Boolean), 'set');
