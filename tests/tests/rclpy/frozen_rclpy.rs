@@ -29,9 +29,23 @@ fn assert_unharmed(report: &Value, phase: &str) {
     }
 }
 
+/// How often the loop is tried: five readers that start at once, on two cores that have other work
+/// too, may keep a command from the rig driver for half a second. What a reader does to the loop it
+/// does each time.
+const TRIES: usize = 3;
+
 /// The loop beside these readers.
 fn hold(way: &str, seconds: u32, readers: &[&str]) {
-    let report = beside_readers(&LoopAndReaders { way, seconds, readers });
+    let tried = |_| beside_readers(&LoopAndReaders { way, seconds, readers });
+    let stopped = |report: &Value| {
+        let stopped = report["said"].as_str().is_some_and(|said| said.contains("command lost"));
+        if stopped {
+            println!("a command was late by half a second");
+        }
+        stopped
+    };
+    let mut reports = (0..TRIES).map(tried);
+    let report = reports.find(|report| !stopped(report)).expect("once the loop goes on");
     let said = report["said"].as_str().expect("text");
     for phase in ["alone", "beside", "after"] {
         assert_unharmed(&report, phase);
