@@ -77,10 +77,11 @@ pub struct CrossValidation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FirstSpeeds {
-    /// It falls, as in a Stribeck dip, stays as it is, or rises while the recording looks on.
+    /// It falls, as in a Stribeck dip, or stays as it is, or it rises over speeds at which a tenth
+    /// of the recording lies.
     Plausible,
-    /// It rises, in one direction by more than it falls in the other, over speeds that the
-    /// recording only passes through.
+    /// It rises, in one direction by more than it falls in the other, over speeds at which less of
+    /// the recording lies.
     Rises,
     /// It would begin below zero and drive the axis: no friction does.
     Drives,

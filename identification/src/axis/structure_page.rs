@@ -209,13 +209,14 @@ pub fn terminal(found: &Structured) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{mark} {:width$}  {:>2} parameters  {:6.3} ± {:.3} %  excess {:.3} ± {:.3}",
+            "{mark} {:width$}  {:>2} parameters  {:6.3} ± {:.3} %  excess {:.3} ± {:.3}{}",
             score.structure.to_string(),
             score.structure.parameters(),
             score.relative_error,
             score.standard_error,
             ranked.excess,
-            ranked.excess_error
+            ranked.excess_error,
+            disbelieved(ranked, score).map_or_else(String::new, |why| format!("  {why}")),
         );
     }
     let _ = writeln!(text, "\n{}:", found.fit.structure);
@@ -256,4 +257,34 @@ pub fn document(found: &Structured) -> Value {
         "warnings": found.warnings,
         "notes": found.fit.notes(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use friction_ident::axis_structure::Shape;
+
+    use super::*;
+
+    #[test]
+    fn what_predicts_better_and_is_not_chosen_says_why() {
+        let said = |first_speeds, excess| {
+            let shape = Shape { delay: 0.0, v_s: 1.0, displacement: 1.0, period: 1.0 };
+            let score = CrossValidation {
+                structure: AxisStructure { stribeck: true, ..AxisStructure::SYMMETRIC },
+                shape,
+                blocks: vec![],
+                force_power: 1.0,
+                relative_error: 1.0,
+                standard_error: 0.1,
+                first_speeds,
+            };
+            let ranked = Ranked { index: 0, excess, excess_error: 0.1, within: true };
+            disbelieved(&ranked, &score)
+        };
+        assert!(said(FirstSpeeds::Rises, -0.1).unwrap().contains("rises"));
+        assert!(said(FirstSpeeds::Drives, -0.1).unwrap().contains("below zero"));
+        // It is chosen or worse for other reasons.
+        assert_eq!(said(FirstSpeeds::Rises, 0.0), None);
+        assert_eq!(said(FirstSpeeds::Plausible, 0.2), None);
+    }
 }
