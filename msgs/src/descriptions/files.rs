@@ -6,134 +6,97 @@ use crate::message::part;
 /// Package, name and text of a file.
 type File = (&'static str, &'static str, &'static str);
 
-macro_rules! file {
-    ($package:literal, $name:literal, $path:literal) => {
-        ($package, $name, include_str!(concat!("../../", $path)))
+/// A file of the packages of ROS.
+macro_rules! standard {
+    ($package:literal, $name:literal, $kind:literal) => {
+        (
+            $package,
+            $name,
+            include_str!(concat!("../../standard/", $package, "/", $name, ".", $kind)),
+        )
+    };
+}
+
+/// A file of this laboratory's own package.
+macro_rules! own {
+    ($name:literal, $kind:literal) => {
+        (
+            "friction_msgs",
+            $name,
+            include_str!(concat!("../../friction_msgs/", $kind, "/", $name, ".", $kind)),
+        )
     };
 }
 
 const MESSAGES: [File; 46] = [
-    file!("friction_msgs", "ControllerState", "friction_msgs/msg/ControllerState.msg"),
-    file!("friction_msgs", "EstimatedParameter", "friction_msgs/msg/EstimatedParameter.msg"),
-    file!("friction_msgs", "ExperimentDescription", "friction_msgs/msg/ExperimentDescription.msg"),
-    file!("friction_msgs", "ExperimentParameter", "friction_msgs/msg/ExperimentParameter.msg"),
-    file!("friction_msgs", "ExperimentStatus", "friction_msgs/msg/ExperimentStatus.msg"),
-    file!("friction_msgs", "Figure", "friction_msgs/msg/Figure.msg"),
-    file!("friction_msgs", "FrictionEstimate", "friction_msgs/msg/FrictionEstimate.msg"),
-    file!("friction_msgs", "ModelFit", "friction_msgs/msg/ModelFit.msg"),
-    file!("friction_msgs", "MotorVoltage", "friction_msgs/msg/MotorVoltage.msg"),
-    file!("friction_msgs", "Reference", "friction_msgs/msg/Reference.msg"),
-    file!("friction_msgs", "RigMeasurement", "friction_msgs/msg/RigMeasurement.msg"),
-    file!("friction_msgs", "Setting", "friction_msgs/msg/Setting.msg"),
-    file!("action_msgs", "GoalInfo", "standard/action_msgs/GoalInfo.msg"),
-    file!("action_msgs", "GoalStatus", "standard/action_msgs/GoalStatus.msg"),
-    file!("action_msgs", "GoalStatusArray", "standard/action_msgs/GoalStatusArray.msg"),
-    file!("builtin_interfaces", "Time", "standard/builtin_interfaces/Time.msg"),
-    file!("diagnostic_msgs", "DiagnosticArray", "standard/diagnostic_msgs/DiagnosticArray.msg"),
-    file!("diagnostic_msgs", "DiagnosticStatus", "standard/diagnostic_msgs/DiagnosticStatus.msg"),
-    file!("diagnostic_msgs", "KeyValue", "standard/diagnostic_msgs/KeyValue.msg"),
-    file!("lifecycle_msgs", "State", "standard/lifecycle_msgs/State.msg"),
-    file!("lifecycle_msgs", "Transition", "standard/lifecycle_msgs/Transition.msg"),
-    file!(
-        "lifecycle_msgs",
-        "TransitionDescription",
-        "standard/lifecycle_msgs/TransitionDescription.msg"
-    ),
-    file!("lifecycle_msgs", "TransitionEvent", "standard/lifecycle_msgs/TransitionEvent.msg"),
-    file!("rcl_interfaces", "FloatingPointRange", "standard/rcl_interfaces/FloatingPointRange.msg"),
-    file!("rcl_interfaces", "IntegerRange", "standard/rcl_interfaces/IntegerRange.msg"),
-    file!(
-        "rcl_interfaces",
-        "ListParametersResult",
-        "standard/rcl_interfaces/ListParametersResult.msg"
-    ),
-    file!("rcl_interfaces", "Log", "standard/rcl_interfaces/Log.msg"),
-    file!("rcl_interfaces", "Parameter", "standard/rcl_interfaces/Parameter.msg"),
-    file!(
-        "rcl_interfaces",
-        "ParameterDescriptor",
-        "standard/rcl_interfaces/ParameterDescriptor.msg"
-    ),
-    file!("rcl_interfaces", "ParameterEvent", "standard/rcl_interfaces/ParameterEvent.msg"),
-    file!("rcl_interfaces", "ParameterValue", "standard/rcl_interfaces/ParameterValue.msg"),
-    file!(
-        "rcl_interfaces",
-        "SetParametersResult",
-        "standard/rcl_interfaces/SetParametersResult.msg"
-    ),
-    file!("rmw_dds_common", "Gid", "standard/rmw_dds_common/Gid.msg"),
-    file!("rmw_dds_common", "NodeEntitiesInfo", "standard/rmw_dds_common/NodeEntitiesInfo.msg"),
-    file!(
-        "rmw_dds_common",
-        "ParticipantEntitiesInfo",
-        "standard/rmw_dds_common/ParticipantEntitiesInfo.msg"
-    ),
-    file!("rosgraph_msgs", "Clock", "standard/rosgraph_msgs/Clock.msg"),
-    file!("sensor_msgs", "JointState", "standard/sensor_msgs/JointState.msg"),
-    file!("service_msgs", "ServiceEventInfo", "standard/service_msgs/ServiceEventInfo.msg"),
-    file!("std_msgs", "Header", "standard/std_msgs/Header.msg"),
-    file!("type_description_interfaces", "Field", "standard/type_description_interfaces/Field.msg"),
-    file!(
-        "type_description_interfaces",
-        "FieldType",
-        "standard/type_description_interfaces/FieldType.msg"
-    ),
-    file!(
-        "type_description_interfaces",
-        "IndividualTypeDescription",
-        "standard/type_description_interfaces/IndividualTypeDescription.msg"
-    ),
-    file!(
-        "type_description_interfaces",
-        "KeyValue",
-        "standard/type_description_interfaces/KeyValue.msg"
-    ),
-    file!(
-        "type_description_interfaces",
-        "TypeDescription",
-        "standard/type_description_interfaces/TypeDescription.msg"
-    ),
-    file!(
-        "type_description_interfaces",
-        "TypeSource",
-        "standard/type_description_interfaces/TypeSource.msg"
-    ),
-    file!("unique_identifier_msgs", "UUID", "standard/unique_identifier_msgs/UUID.msg"),
+    own!("ControllerState", "msg"),
+    own!("EstimatedParameter", "msg"),
+    own!("ExperimentDescription", "msg"),
+    own!("ExperimentParameter", "msg"),
+    own!("ExperimentStatus", "msg"),
+    own!("Figure", "msg"),
+    own!("FrictionEstimate", "msg"),
+    own!("ModelFit", "msg"),
+    own!("MotorVoltage", "msg"),
+    own!("Reference", "msg"),
+    own!("RigMeasurement", "msg"),
+    own!("Setting", "msg"),
+    standard!("action_msgs", "GoalInfo", "msg"),
+    standard!("action_msgs", "GoalStatus", "msg"),
+    standard!("action_msgs", "GoalStatusArray", "msg"),
+    standard!("builtin_interfaces", "Time", "msg"),
+    standard!("diagnostic_msgs", "DiagnosticArray", "msg"),
+    standard!("diagnostic_msgs", "DiagnosticStatus", "msg"),
+    standard!("diagnostic_msgs", "KeyValue", "msg"),
+    standard!("lifecycle_msgs", "State", "msg"),
+    standard!("lifecycle_msgs", "Transition", "msg"),
+    standard!("lifecycle_msgs", "TransitionDescription", "msg"),
+    standard!("lifecycle_msgs", "TransitionEvent", "msg"),
+    standard!("rcl_interfaces", "FloatingPointRange", "msg"),
+    standard!("rcl_interfaces", "IntegerRange", "msg"),
+    standard!("rcl_interfaces", "ListParametersResult", "msg"),
+    standard!("rcl_interfaces", "Log", "msg"),
+    standard!("rcl_interfaces", "Parameter", "msg"),
+    standard!("rcl_interfaces", "ParameterDescriptor", "msg"),
+    standard!("rcl_interfaces", "ParameterEvent", "msg"),
+    standard!("rcl_interfaces", "ParameterValue", "msg"),
+    standard!("rcl_interfaces", "SetParametersResult", "msg"),
+    standard!("rmw_dds_common", "Gid", "msg"),
+    standard!("rmw_dds_common", "NodeEntitiesInfo", "msg"),
+    standard!("rmw_dds_common", "ParticipantEntitiesInfo", "msg"),
+    standard!("rosgraph_msgs", "Clock", "msg"),
+    standard!("sensor_msgs", "JointState", "msg"),
+    standard!("service_msgs", "ServiceEventInfo", "msg"),
+    standard!("std_msgs", "Header", "msg"),
+    standard!("type_description_interfaces", "Field", "msg"),
+    standard!("type_description_interfaces", "FieldType", "msg"),
+    standard!("type_description_interfaces", "IndividualTypeDescription", "msg"),
+    standard!("type_description_interfaces", "KeyValue", "msg"),
+    standard!("type_description_interfaces", "TypeDescription", "msg"),
+    standard!("type_description_interfaces", "TypeSource", "msg"),
+    standard!("unique_identifier_msgs", "UUID", "msg"),
 ];
 
 const SERVICES: [File; 16] = [
-    file!("friction_msgs", "Identify", "friction_msgs/srv/Identify.srv"),
-    file!("friction_msgs", "ListExperiments", "friction_msgs/srv/ListExperiments.srv"),
-    file!("friction_msgs", "StartExperiment", "friction_msgs/srv/StartExperiment.srv"),
-    file!("action_msgs", "CancelGoal", "standard/action_msgs/CancelGoal.srv"),
-    file!("lifecycle_msgs", "ChangeState", "standard/lifecycle_msgs/ChangeState.srv"),
-    file!("lifecycle_msgs", "GetAvailableStates", "standard/lifecycle_msgs/GetAvailableStates.srv"),
-    file!(
-        "lifecycle_msgs",
-        "GetAvailableTransitions",
-        "standard/lifecycle_msgs/GetAvailableTransitions.srv"
-    ),
-    file!("lifecycle_msgs", "GetState", "standard/lifecycle_msgs/GetState.srv"),
-    file!("rcl_interfaces", "DescribeParameters", "standard/rcl_interfaces/DescribeParameters.srv"),
-    file!("rcl_interfaces", "GetParameterTypes", "standard/rcl_interfaces/GetParameterTypes.srv"),
-    file!("rcl_interfaces", "GetParameters", "standard/rcl_interfaces/GetParameters.srv"),
-    file!("rcl_interfaces", "ListParameters", "standard/rcl_interfaces/ListParameters.srv"),
-    file!("rcl_interfaces", "SetParameters", "standard/rcl_interfaces/SetParameters.srv"),
-    file!(
-        "rcl_interfaces",
-        "SetParametersAtomically",
-        "standard/rcl_interfaces/SetParametersAtomically.srv"
-    ),
-    file!("std_srvs", "Trigger", "standard/std_srvs/Trigger.srv"),
-    file!(
-        "type_description_interfaces",
-        "GetTypeDescription",
-        "standard/type_description_interfaces/GetTypeDescription.srv"
-    ),
+    own!("Identify", "srv"),
+    own!("ListExperiments", "srv"),
+    own!("StartExperiment", "srv"),
+    standard!("action_msgs", "CancelGoal", "srv"),
+    standard!("lifecycle_msgs", "ChangeState", "srv"),
+    standard!("lifecycle_msgs", "GetAvailableStates", "srv"),
+    standard!("lifecycle_msgs", "GetAvailableTransitions", "srv"),
+    standard!("lifecycle_msgs", "GetState", "srv"),
+    standard!("rcl_interfaces", "DescribeParameters", "srv"),
+    standard!("rcl_interfaces", "GetParameterTypes", "srv"),
+    standard!("rcl_interfaces", "GetParameters", "srv"),
+    standard!("rcl_interfaces", "ListParameters", "srv"),
+    standard!("rcl_interfaces", "SetParameters", "srv"),
+    standard!("rcl_interfaces", "SetParametersAtomically", "srv"),
+    standard!("std_srvs", "Trigger", "srv"),
+    standard!("type_description_interfaces", "GetTypeDescription", "srv"),
 ];
 
-const ACTIONS: [File; 1] =
-    [file!("friction_msgs", "RunExperiment", "friction_msgs/action/RunExperiment.action")];
+const ACTIONS: [File; 1] = [own!("RunExperiment", "action")];
 
 /// All of them.
 pub(super) fn library() -> Library {
