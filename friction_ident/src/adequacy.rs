@@ -8,6 +8,8 @@ use std::fmt;
 
 use crate::axis_structure::AxisStructure;
 use crate::conditioning::Conditioned;
+use crate::drift::drift;
+use crate::parameter_id::ParameterId;
 use crate::rigid_axis::Prediction;
 
 /// Share of the force's mean square that a model must explain to be trusted.
@@ -82,6 +84,29 @@ pub enum FitDoubt {
         /// Share of the residual's mean square.
         share: f64,
     },
+    /// The friction does not stay the same.
+    #[error(
+        "leaves a residual that says that friction {} while it was recorded, by {:.0} % from the beginning to the end (an \
+         axis that warms up, or faster motion late than early that it does not follow): its \
+         parameters have taken up part of that. Record the axis warm, or fast and slow motion in turns",
+        if *change < 0.0 { "fell" } else { "grew" }, 100.0 * change.abs()
+    )]
+    Drifts {
+        /// Change as a share of the friction's root mean square.
+        change: f64,
+    },
+    /// Friction of its own that gives energy.
+    #[error(
+        "has {id} below zero, {value:.3}, by more than its error, which friction cannot be: it stands for something \
+         that the structure does not have, or the motion does not tell its parts apart (one speed \
+         does not). Its parameters are not to be trusted, whatever their errors"
+    )]
+    Impossible {
+        /// The parameter.
+        id: ParameterId,
+        /// Its value.
+        value: f64,
+    },
     /// It does not hold in another recording.
     #[error(
         "is off by {there:.1} % of the force on the other recording, where {expected:.1} % was to \
@@ -115,7 +140,7 @@ impl FitDoubt {
     /// Whether no parameter of the fit is to be trusted, and not only its last digits.
     #[must_use]
     pub const fn condemns(&self) -> bool {
-        matches!(self, Self::Unexplained { .. } | Self::Elsewhere { .. })
+        matches!(self, Self::Unexplained { .. } | Self::Impossible { .. } | Self::Elsewhere { .. })
     }
 }
 
@@ -158,7 +183,9 @@ pub fn doubts(prediction: &Prediction, recording: &Conditioned) -> Vec<FitDoubt>
         Some((quantity, at_rows(column?, prediction, recording)?))
     };
     let columns: Vec<_> = columns.into_iter().filter_map(rows).collect();
-    doubts_of(&prediction.residual(), &prediction.measured, &columns)
+    let mut doubts = doubts_of(&prediction.residual(), &prediction.measured, &columns);
+    doubts.extend(drift(prediction).map(|change| FitDoubt::Drifts { change }));
+    doubts
 }
 
 /// The same of any model: from what it leaves of what was measured, and what that may go with.

@@ -63,6 +63,7 @@ pub mod cma_es;
 pub mod conditioning;
 pub mod damped_model;
 pub mod derived;
+pub mod drift;
 pub mod drive;
 mod error;
 pub mod estimate;

@@ -22,6 +22,9 @@ pub(super) const SIGNED: [&str; 8] = [
 /// Parameters of friction, which takes energy: below zero they describe something else.
 const FRICTION: [&str; 4] = ["f_v", "f_c", "f_s", "sigma1"];
 
+/// Those of steady sliding.
+pub(super) const STEADY: [&str; 3] = ["f_v", "f_c", "f_s"];
+
 /// Adds the doubts that no single parameter's error shows: a Stribeck velocity without a Stribeck
 /// effect, a period without a force.
 pub(super) fn judge(structure: &AxisStructure, estimates: &mut Estimates) {

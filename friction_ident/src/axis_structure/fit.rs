@@ -11,6 +11,7 @@ use super::search::{Best, Search};
 use super::shape::{PositionScale, Shape, ShapeTerm};
 use super::{AxisStructure, doubts, stability};
 use crate::IdentError;
+use crate::adequacy::FitDoubt;
 use crate::conditioning::Conditioned;
 use crate::estimate::robust_errors;
 use crate::estimate::{Doubt, Estimate, Estimates, Verdict};
@@ -19,7 +20,7 @@ use crate::residual_whiteness::effective_share;
 use crate::rigid_axis::Prediction;
 use crate::robust_covariance::Course;
 
-/// Standard errors below zero from which an inertia is clearly negative.
+/// Standard errors below zero from which an inertia or friction is clearly negative.
 const CLEARLY: f64 = 2.0;
 
 /// A structure fitted to a recording.
@@ -65,6 +66,17 @@ impl StructureFit {
             friction: friction.as_slice().to_vec(),
             relative_error: 100.0 * residual / regressors.force.norm(),
         })
+    }
+
+    /// The friction that comes out below zero by more than its error, where any does: none drives
+    /// the axis.
+    pub fn impossible(&self) -> Option<FitDoubt> {
+        let below = |estimate: &&Estimate| {
+            let error = estimate.standard_error.unwrap_or(f64::INFINITY);
+            doubts::STEADY.contains(&estimate.id.name) && estimate.value < -CLEARLY * error
+        };
+        let estimate = self.estimates.parameters.iter().find(below)?;
+        Some(FitDoubt::Impossible { id: estimate.id, value: estimate.value })
     }
 
     /// The periods \[m or rad\] that parts of the recording ask for, where they are not one and the

@@ -2,6 +2,7 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 
 use super::*;
+use crate::adequacy::FitDoubt;
 use crate::{Conditioned, Conditioning, Doubt, IntervalMethod, Signals, Verdict, condition};
 
 const INERTIA: f64 = 5.0;
@@ -252,6 +253,12 @@ fn friction_below_zero_is_never_identified() {
     let negative =
         matches!(viscous.verdict, Verdict::NotIdentifiable { doubt: Doubt::Negative { .. }, .. });
     assert!(viscous.value < -7.0 && negative, "{viscous:?}");
+    let impossible = fit.impossible();
+    let f_v = |doubt: FitDoubt| matches!(doubt, FitDoubt::Impossible { id, value } if id == "f_v".into() && value < -7.0);
+    assert!(impossible.is_some_and(f_v), "{impossible:?}");
+    let other = axis(coulomb, 0.0, 0.2);
+    let other = fit_structure(&other, structure("symmetric"), &AxisUnits::LINEAR).unwrap();
+    assert_eq!(other.impossible(), None);
 }
 
 /// A joint that carries a weight: without gravity in the model its inertia was several times too

@@ -177,6 +177,7 @@ pub fn structured(
         adequacy::outdone(there, simpler.filter_map(error))
     });
     let mut doubts = adequacy::doubts(&here, estimation);
+    doubts.extend(fit.impossible());
     doubts.extend(fails);
     doubts.extend(outdone);
     if doubts.iter().any(FitDoubt::condemns) {
@@ -189,8 +190,8 @@ pub fn structured(
 }
 
 /// The structure that is chosen, with its fit. One with a wave that both halves of the recording do
-/// not share describes this recording and not the axis: such structures are refused, and the choice
-/// is made among the others.
+/// not share describes this recording and not the axis, and one whose inertia is clearly below zero
+/// describes no axis: such structures are refused, and the choice is made among the others.
 fn chosen(
     estimation: &Conditioned,
     scores: &mut Vec<CrossValidation>,
@@ -201,7 +202,14 @@ fn chosen(
         let Some(choice) = choose(scores) else { return Ok(None) };
         let Some(chosen) = scores.get(choice.chosen) else { return Ok(None) };
         let structure = chosen.structure;
-        let fit = fit_structure(estimation, structure, units)?;
+        let fit = match fit_structure(estimation, structure, units) {
+            Err(error @ IdentError::NegativeInertia { .. }) if scores.len() > 1 => {
+                scores.retain(|score| score.structure != structure);
+                refused.push((structure, error));
+                continue;
+            }
+            fit => fit?,
+        };
         let others = scores.iter().any(|score| !score.structure.harmonic);
         match fit.other_waves() {
             Some((low, high)) if structure.harmonic && others => {
@@ -222,7 +230,45 @@ fn chosen(
 
 #[cfg(test)]
 mod tests {
-    use super::StructureChoice;
+    use friction_ident::axis_structure::cross_validate;
+    use friction_ident::{Conditioning, Signals, condition};
+
+    use super::*;
+
+    /// An axis with next to no inertia whose force comes 8 ms late: without the delay its inertia
+    /// comes out below zero. It was refused for that, though another structure shows it well.
+    #[test]
+    fn a_structure_whose_inertia_is_below_zero_makes_room_for_another() {
+        let at = |t: f64| {
+            let (v, a) = (
+                2.2 * (1.1 * t).cos() + 1.9 * (3.7 * t).cos(),
+                -2.42 * (1.1 * t).sin() - 7.03 * (3.7 * t).sin(),
+            );
+            (
+                2.0 * (1.1 * t).sin() + 1.9 / 3.7 * (3.7 * t).sin(),
+                0.002 * a + 0.5 * v + 0.3 * v.signum(),
+            )
+        };
+        let time = || (0..20_000).map(|k| 1e-3 * f64::from(k));
+        let place: Vec<f64> = time().map(|t| at(t).0).collect();
+        let force: Vec<f64> = time().map(|t| at(t - 8e-3).1).collect();
+        let signals =
+            Signals { time_step: 1e-3, position: Some(&place), velocity: None, force: &force };
+        let recording = condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap();
+        let [simple, late] = ["symmetric", "symmetric+delay"].map(|name| name.parse().unwrap());
+        let mut scores = [simple, late].map(|of| cross_validate(&recording, of, 8).unwrap());
+        // As if it predicted best.
+        scores[0].relative_error = 0.0;
+        scores[0].blocks = vec![0.0; 8];
+        let (mut scores, mut refused) = (scores.to_vec(), Vec::new());
+        let found = chosen(&recording, &mut scores, &mut refused, &AxisUnits::ROTARY).unwrap();
+        let (_, fit) = found.unwrap();
+        assert_eq!(fit.structure, late);
+        assert!(
+            matches!(refused[..], [(of, IdentError::NegativeInertia { value, .. })] if of == simple && value < 0.0),
+            "{refused:?}"
+        );
+    }
 
     #[test]
     fn the_option_names_its_mistake() {

@@ -363,6 +363,10 @@ fn impossible_outcomes_are_refused() {
         &["a.csv", "--force-column", "torque_Nm:-1"],
         &["a.csv", "inertia", "negative", "--without-inertia"],
     );
+    desk.refused(
+        &["a.csv", "--force-column", "torque_Nm:-1", "--structure", "auto"],
+        &["a.csv", "inertia", "negative", "--without-inertia"],
+    );
     let still = motion(2000).map(|(t, _, torque)| (t, 1.0, torque));
     desk.file("still.csv", &table("t_s,position_rad,torque_Nm", still));
     desk.refused(&["still.csv"], &["still.csv", "inertia", "accelerates"]);
