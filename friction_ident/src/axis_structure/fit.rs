@@ -43,6 +43,9 @@ pub struct StructureFit {
     pub samples: usize,
     /// Share of the residual's samples that count as independent.
     pub effective_share: f64,
+    /// What the sliding alone says of parameters whose own interval does not hold that; nothing
+    /// before [`heed`](Self::heed).
+    pub sliding: Vec<(ParameterId, f64)>,
     linear: Vec<f64>,
 }
 
@@ -104,6 +107,15 @@ impl StructureFit {
                      friction builds up around a reversal. Pre-sliding and a rising curve cannot be told apart without slow steady motion."
                 ));
             }
+        }
+        if !self.sliding.is_empty() {
+            let said: Vec<String> =
+                self.sliding.iter().map(|(id, value)| format!("{id} {value:.3}")).collect();
+            notes.push(format!(
+                "Where the axis slides, away from reversals and rest, least squares finds {}. The structure says something else, because \
+                 around reversals something acts that it does not have. The intervals reach to both; of steady sliding, those numbers tell more.",
+                said.join(", ")
+            ));
         }
         let unsteady = |estimate: &&Estimate| {
             matches!(
@@ -202,6 +214,7 @@ pub fn fit_structure(
         residual_rms: (squares / samples as f64).sqrt(),
         samples,
         effective_share: share,
+        sliding: Vec::new(),
         linear: solution.x.as_slice().to_vec(),
     })
 }

@@ -40,6 +40,7 @@ mod rivals;
 mod rows;
 mod search;
 mod shape;
+mod sliding;
 mod stability;
 mod waves;
 

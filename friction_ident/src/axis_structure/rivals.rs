@@ -9,7 +9,7 @@ use super::fit::StructureFit;
 use super::naming::{AxisUnits, unknowns};
 use super::search::{Best, Search};
 use super::shape::{PositionScale, ShapeTerm};
-use super::{AxisStructure, Choice, CrossValidation};
+use super::{AxisStructure, Choice, CrossValidation, sliding};
 use crate::conditioning::Conditioned;
 use crate::estimate::{Doubt, Estimate, Interval, IntervalMethod, Verdict};
 use crate::parameter_id::{ParameterId, Side};
@@ -28,16 +28,32 @@ impl Choice {
 
 impl StructureFit {
     /// Widens each interval to what `rivals` say of the parameter when they are fitted to the same
-    /// recording: each counts as unsure as the chosen one is. Rivals that cannot be fitted say nothing.
+    /// recording, and to what its sliding alone says: each counts as unsure as the chosen one is.
+    /// Rivals that cannot be fitted say nothing.
     pub fn heed(&mut self, recording: &Conditioned, rivals: &[CrossValidation]) {
+        let (own, scale) = (self.structure, self.position_scale);
+        let rivals = rivals.iter().filter_map(|rival| Said::of(recording, rival, scale));
+        let mut all: Vec<Said> = rivals.collect();
+        if let Some(sliding) = sliding::said(recording, own, &self.shape, scale) {
+            let outside = |estimate: &Estimate| {
+                let value = sliding.value(estimate.id, own)?;
+                let inside = estimate.interval.is_none_or(|interval| interval.contains(value));
+                (!inside).then_some((estimate.id, value))
+            };
+            self.sliding = self.estimates.parameters.iter().filter_map(outside).collect();
+            all.push(sliding);
+        }
+        self.widen(&all);
+    }
+
+    fn widen(&mut self, all: &[Said]) {
         let ends = |end: fn(Interval) -> f64| -> Vec<f64> {
             let of = |estimate: &Estimate| estimate.interval.map_or(estimate.value, end);
             self.estimates.parameters.iter().map(of).collect()
         };
         let (own_low, own_high) = (ends(|interval| interval.low), ends(|interval| interval.high));
-        for rival in rivals {
-            let Some(said) = Said::of(recording, rival, self.position_scale) else { continue };
-            let own = self.structure;
+        let own = self.structure;
+        for said in all {
             for (k, estimate) in self.estimates.parameters.iter_mut().enumerate() {
                 let Some(value) = said.value(estimate.id, own) else { continue };
                 let Some(interval) = estimate.interval else { continue };
@@ -62,9 +78,9 @@ impl StructureFit {
 }
 
 /// The parameters of a rival.
-struct Said {
-    structure: AxisStructure,
-    values: Vec<(ParameterId, f64)>,
+pub(super) struct Said {
+    pub structure: AxisStructure,
+    pub values: Vec<(ParameterId, f64)>,
 }
 
 impl Said {
@@ -178,7 +194,7 @@ mod tests {
         let rival = AxisStructure { stribeck: true, ..AxisStructure::SYMMETRIC };
         let rival = cross_validate(&recording, rival, 8).unwrap();
         let said = Said::of(&recording, &rival, fit.position_scale).unwrap();
-        fit.heed(&recording, &[rival]);
+        fit.widen(std::slice::from_ref(&said));
         for (estimate, before) in fit.estimates.parameters.iter().zip(&before.estimates.parameters)
         {
             let value = said.value(estimate.id, AxisStructure::SYMMETRIC).unwrap();

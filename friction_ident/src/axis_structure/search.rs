@@ -353,7 +353,7 @@ impl Residuals for Separable<'_, '_> {
 /// Least squares by normal equations of columns scaled to unit length: quick enough to be done for
 /// every trial of the search. The final parameters come from the factorisation of the columns
 /// themselves.
-struct Projection {
+pub(super) struct Projection {
     scaled: DMatrix<f64>,
     scale: DVector<f64>,
     factor: nalgebra::Cholesky<f64, nalgebra::Dyn>,
@@ -361,7 +361,7 @@ struct Projection {
 
 impl Projection {
     /// None for columns that depend on one another.
-    fn new(mut matrix: DMatrix<f64>) -> Option<Self> {
+    pub fn new(mut matrix: DMatrix<f64>) -> Option<Self> {
         let scale = DVector::from_iterator(
             matrix.ncols(),
             matrix.column_iter().map(|column| column.norm()),
@@ -375,7 +375,7 @@ impl Projection {
     }
 
     /// The linear parameters for `y` and what they leave of it.
-    fn rest(&self, y: &DVector<f64>) -> (DVector<f64>, DVector<f64>) {
+    pub fn rest(&self, y: &DVector<f64>) -> (DVector<f64>, DVector<f64>) {
         let weights = self.factor.solve(&self.scaled.tr_mul(y));
         let rest = y - &self.scaled * &weights;
         (weights.component_div(&self.scale), rest)

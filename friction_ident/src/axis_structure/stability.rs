@@ -109,7 +109,7 @@ impl Moved {
 }
 
 /// Diagonal of `(J^T J)^-1`; none where the columns depend on one another.
-fn variances(slopes: &DMatrix<f64>) -> Option<Vec<f64>> {
+pub(super) fn variances(slopes: &DMatrix<f64>) -> Option<Vec<f64>> {
     let scale: Vec<f64> = slopes.column_iter().map(|column| column.norm()).collect();
     let mut normal = slopes.tr_mul(slopes);
     for i in 0..scale.len() {

@@ -16,14 +16,21 @@ const WORK: &str = "strangers";
 struct Asked {
     machines: u32,
     first: u64,
+    mujoco: bool,
     with: Vec<String>,
     alone: bool,
 }
 
 impl From<&Strangers> for Asked {
     fn from(asked: &Strangers) -> Self {
-        let Strangers { machines, first, with, alone, .. } = asked;
-        Self { machines: *machines, first: *first, with: with.clone(), alone: *alone }
+        let Strangers { machines, first, mujoco, with, alone, .. } = asked;
+        Self {
+            machines: *machines,
+            first: *first,
+            mujoco: *mujoco,
+            with: with.clone(),
+            alone: *alone,
+        }
     }
 }
 

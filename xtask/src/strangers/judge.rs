@@ -39,6 +39,25 @@ impl Judged {
 /// How far from the truth a number may lie before it is wrong, as a share of it.
 const FAR: f64 = 0.1;
 
+/// What is known of a machine. SI units.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub struct Known {
+    pub inertia: f64,
+    pub f_c: f64,
+    pub f_v: f64,
+    /// None where it cannot be told from what else acts.
+    pub offset: Option<f64>,
+    /// Sampling rate \[Hz\].
+    pub rate: f64,
+}
+
+impl From<&Truth> for Known {
+    fn from(truth: &Truth) -> Self {
+        let Truth { inertia, f_c, f_v, offset, rate, .. } = *truth;
+        Self { inertia, f_c, f_v, offset: Some(offset), rate }
+    }
+}
+
 /// What the program said.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Answer {
@@ -72,7 +91,7 @@ impl Answer {
 ///
 /// # Errors
 /// When the program cannot be run or its results cannot be read.
-pub fn ask(program: &Path, folder: &Path, truth: &Truth, options: &[&str]) -> Result<Answer> {
+pub fn ask(program: &Path, folder: &Path, truth: &Known, options: &[&str]) -> Result<Answer> {
     let run = |more: &[String]| -> Result<Output> {
         Command::new(program)
             .current_dir(folder)
@@ -146,18 +165,19 @@ pub fn ask(program: &Path, folder: &Path, truth: &Truth, options: &[&str]) -> Re
     Ok(answer)
 }
 
-fn known(truth: &Truth) -> [(&'static str, f64, f64); 4] {
+fn known(truth: &Known) -> Vec<(&'static str, f64, f64)> {
     let size = truth.f_c;
-    [
+    let mut known = vec![
         ("inertia", truth.inertia, FAR * truth.inertia),
         ("f_v", truth.f_v, FAR * truth.f_v),
         ("f_c", size, FAR * size),
-        ("offset", truth.offset, FAR * size),
-    ]
+    ];
+    known.extend(truth.offset.map(|offset| ("offset", offset, FAR * size)));
+    known
 }
 
 /// Each known parameter of a structure, of both directions where it has two.
-fn of_structure(parameters: &Value, truth: &Truth) -> Vec<Judged> {
+fn of_structure(parameters: &Value, truth: &Known) -> Vec<Judged> {
     let mut judged = Vec::new();
     for parameter in parameters.as_array().into_iter().flatten() {
         let name = parameter["name"].as_str().unwrap_or_default();
@@ -170,8 +190,8 @@ fn of_structure(parameters: &Value, truth: &Truth) -> Vec<Judged> {
         };
         // Of one direction, friction is with what pushes there all the time.
         let truth = match name {
-            "f_c.forward" => level + truth.offset,
-            "f_c.backward" => level - truth.offset,
+            "f_c.forward" => level + truth.offset.unwrap_or(0.0),
+            "f_c.backward" => level - truth.offset.unwrap_or(0.0),
             _ => level,
         };
         let name = known.to_owned();
@@ -189,7 +209,7 @@ fn of_structure(parameters: &Value, truth: &Truth) -> Vec<Judged> {
 }
 
 /// Each known parameter of the plain model.
-fn of_model(parameters: &Value, truth: &Truth) -> Vec<Judged> {
+fn of_model(parameters: &Value, truth: &Known) -> Vec<Judged> {
     let names =
         [("inertia", "inertia"), ("f_v", "viscous"), ("f_c", "coulomb"), ("offset", "offset")];
     let mut judged = Vec::new();

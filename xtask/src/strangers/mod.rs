@@ -2,11 +2,13 @@
 //!
 //! Every machine is drawn at random and recorded; the built program identifies the first half of the
 //! recording as a stranger would, and is scored on the second. Beside it stands what SciPy gives on
-//! the same halves. With `--real` the machines are recordings of real ones.
+//! the same halves. With `--mujoco` another simulator moves the machines; with `--real` the machines
+//! are recordings of real ones.
 
 mod joined;
 mod judge;
 mod machine;
+mod mujoco;
 mod peer;
 mod real;
 
@@ -22,7 +24,7 @@ use serde_json::{Value, json};
 use work::part::{InParts, Part};
 use work::sequencer::run_in_order;
 
-use self::judge::Answer;
+use self::judge::{Answer, Known};
 use self::machine::Truth;
 use crate::python_env;
 
@@ -41,6 +43,9 @@ pub struct Strangers {
     /// The program [default: built in release mode].
     #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,
+    /// Axes that MuJoCo simulates, in place of our own: they stick, and follow a position loop
+    #[arg(long)]
+    mujoco: bool,
     /// Leave SciPy out.
     #[arg(long)]
     alone: bool,
@@ -59,7 +64,7 @@ pub struct Strangers {
     #[arg(long)]
     quiet: bool,
     /// Real recordings in place of machines drawn at random: both halves of each must tell the same
-    #[arg(long, conflicts_with_all = ["machines", "first"])]
+    #[arg(long, conflicts_with_all = ["machines", "first", "mujoco"])]
     real: bool,
     /// Where the real recordings are [default: $FRICTION_DATA, else ../shared/data]
     #[arg(long, value_name = "DIR", requires = "real")]
@@ -73,9 +78,35 @@ pub struct Strangers {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Case {
     number: u64,
+    machine: Machine,
     answer: Answer,
     /// Error of the best of the peer's models \[%\].
     peer: Option<f64>,
+}
+
+/// What a machine is, in words.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Machine {
+    friction: String,
+    /// Sampling rate \[Hz\].
+    rate: f64,
+    has: Vec<String>,
+}
+
+impl From<&Truth> for Machine {
+    fn from(truth: &Truth) -> Self {
+        let has = [
+            (truth.gravity.is_some(), "gravity"),
+            (truth.offset != 0.0, "offset"),
+            (truth.ripple.is_some(), "ripple"),
+            (truth.delay > 0.0, "delay"),
+            (truth.backlash > 0.0, "backlash"),
+            (truth.uneven, "uneven"),
+            (truth.rests, "rest"),
+        ];
+        let has = has.into_iter().filter(|(has, _)| *has).map(|(_, name)| name.to_owned());
+        Self { friction: truth.family.to_string(), rate: truth.rate, has: has.collect() }
+    }
 }
 
 impl Strangers {
@@ -111,7 +142,11 @@ impl Strangers {
         let own = self.parts.part.unwrap_or(Part::WHOLE).range(self.machines);
         let numbers: Vec<u64> = own.map(|index| self.first + u64::from(index)).collect();
         let mut cases = Vec::with_capacity(numbers.len());
-        let ask = |&number: &u64| self.ask(number, &program, &root);
+        let moved = if self.mujoco { mujoco::move_axes(&numbers, &root)? } else { Vec::new() };
+        let ask = |&number: &u64| match moved.iter().find(|axis| axis.number == number) {
+            Some(axis) => self.asked(number, (axis.into(), axis.known), &program, &root),
+            None => self.drawn(number, &program, &root),
+        };
         let workers = usize::from(self.jobs);
         run_in_order(&numbers, workers, &AtomicBool::new(false), ask, |_, case| {
             cases.push(case);
@@ -133,15 +168,15 @@ impl Strangers {
     fn root(&self) -> Result<PathBuf> {
         match &self.out {
             Some(out) => Ok(std::path::absolute(out)?),
-            None => Ok(python_env::target()?.join("strangers")),
+            None => {
+                let own = if self.mujoco { "strangers/mujoco" } else { "strangers" };
+                Ok(python_env::target()?.join(own))
+            }
         }
     }
 
     /// Draws a machine and asks the program.
-    fn ask(&self, number: u64, program: &Path, root: &Path) -> Result<Case> {
-        if !self.quiet {
-            eprintln!("machine {number} ...");
-        }
+    fn drawn(&self, number: u64, program: &Path, root: &Path) -> Result<Case> {
         let folder = root.join(number.to_string());
         let truth = Truth::draw(number);
         let rows = truth.record(number)?;
@@ -150,9 +185,23 @@ impl Strangers {
         let write = |name: &str, part| fs::write(folder.join(name), rows.csv(part, truth.velocity));
         write("estimation.csv", 0..half)?;
         write("validation.csv", half..rows.time.len())?;
+        self.asked(number, ((&truth).into(), (&truth).into()), program, root)
+    }
+
+    /// Asks the program of a machine that was recorded.
+    fn asked(
+        &self,
+        number: u64,
+        (machine, known): (Machine, Known),
+        program: &Path,
+        root: &Path,
+    ) -> Result<Case> {
+        if !self.quiet {
+            eprintln!("machine {number} ...");
+        }
         let options: Vec<&str> = self.with.iter().map(String::as_str).collect();
-        let answer = judge::ask(program, &folder, &truth, &options)?;
-        Ok(Case { number, answer, peer: None })
+        let answer = judge::ask(program, &root.join(number.to_string()), &known, &options)?;
+        Ok(Case { number, machine, answer, peer: None })
     }
 
     /// Writes and prints what came of machines.
@@ -201,19 +250,7 @@ fn table(cases: &[Case]) -> String {
     let mut text = String::from(
         "| machine | friction | rate [Hz] | what it has | structure | held out [%] | SciPy [%] | within 95 % | wrong | warned |\n|---|---|---|---|---|---|---|---|---|---|\n",
     );
-    for Case { number, answer, peer } in cases {
-        let truth = Truth::draw(*number);
-        let has = [
-            (truth.gravity.is_some(), "gravity"),
-            (truth.offset != 0.0, "offset"),
-            (truth.ripple.is_some(), "ripple"),
-            (truth.delay > 0.0, "delay"),
-            (truth.backlash > 0.0, "backlash"),
-            (truth.uneven, "uneven"),
-            (truth.rests, "rest"),
-        ];
-        let has: Vec<&str> =
-            has.into_iter().filter(|(has, _)| *has).map(|(_, name)| name).collect();
+    for Case { number, machine, answer, peer } in cases {
         let number_of =
             |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));
         let said: Vec<_> = answer.parameters.iter().filter(|judged| judged.identified).collect();
@@ -230,9 +267,9 @@ fn table(cases: &[Case]) -> String {
         };
         text += &format!(
             "| {number} | {} | {:.0} | {} | {chosen} | {} | {} | {within}/{} | {} | {} |\n",
-            truth.family,
-            truth.rate,
-            has.join(" "),
+            machine.friction,
+            machine.rate,
+            machine.has.join(", "),
             number_of(answer.held_out),
             number_of(*peer),
             said.len(),

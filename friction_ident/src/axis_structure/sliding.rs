@@ -1,0 +1,175 @@
+//! What the sliding alone says of inertia, friction and load.
+//!
+//! Around a reversal an axis sticks, its contact bends, and a position loop winds up: whatever the
+//! structure has for that, what it lacks goes into all other parameters. Far from reversals and rest
+//! friction is a level and a slope, and plain least squares finds them, at the full rate, so that no
+//! low-pass carries the reversals there. Where that says something else than the structure, the
+//! interval must reach to it.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::AxisStructure;
+use super::naming::{AxisUnits, unknowns};
+use super::regressors::Regressors;
+use super::rivals::Said;
+use super::rows::rows_of;
+use super::search::Projection;
+use super::shape::{PositionScale, Shape};
+use super::stability::variances;
+use crate::conditioning::Conditioned;
+use crate::parameter_id::ParameterId;
+use crate::statistics::{quantile, sorted};
+
+/// Share of the usual largest speed below which an axis does not count as sliding, and as moving.
+const SLIDES: f64 = 0.2;
+const MOVES: f64 = 0.02;
+/// Stribeck velocities at which a dip has faded, and the share of the largest speed that may take.
+const FADED: f64 = 2.0;
+const MOST_FADED: f64 = 0.5;
+/// Half periods of the motion's low-pass that are left out on both sides of what does not slide.
+const AROUND: usize = 2;
+/// Share of what a recording tells of a parameter that must lie in the sliding.
+const TOLD: f64 = 0.1;
+/// Samples beyond which a recording is too long to be taken at its full rate.
+const MOST_SAMPLES: usize = 2_000_000;
+/// Rows for each parameter that a fit needs.
+const ROWS_EACH: usize = 10;
+
+/// What the sliding says of the parameters of which it tells enough, in a structure of that shape;
+/// none where the axis hardly slides.
+pub(super) fn said(
+    recording: &Conditioned,
+    of: AxisStructure,
+    shape: &Shape,
+    scale: PositionScale,
+) -> Option<Said> {
+    if recording.velocity.len() > MOST_SAMPLES {
+        return None;
+    }
+    let fine = Conditioned { decimate: 1, ..recording.clone() };
+    let structure = AxisStructure { stribeck: false, presliding: false, damping: false, ..of };
+    let mut regressors = Regressors::new(&fine, structure, scale).ok()?;
+    let speeds = sorted(fine.velocity.iter().map(|v| v.abs()));
+    let fastest = quantile(&speeds, 0.95)?;
+    let dip = if of.stribeck { FADED * shape.v_s } else { 0.0 };
+    let sliding = (SLIDES * fastest).max(dip.min(MOST_FADED * fastest));
+    let slides = rows(&fine, sliding, AROUND * fine.stride);
+    let moves = rows(&fine, MOVES * fastest, 0);
+    let unknowns = unknowns(&structure, &AxisUnits::LINEAR);
+    // A delay that stands for what happens at the reversals is not there where the axis slides.
+    let prompt = Shape { delay: 0.0, ..*shape };
+    let shapes = if structure.delay { vec![*shape, prompt] } else { vec![prompt] };
+    let mut best: Option<(f64, DVector<f64>, DMatrix<f64>)> = None;
+    for shape in &shapes {
+        let matrix = regressors.matrix(shape).ok()?;
+        let own = matrix.select_rows(&slides);
+        if own.nrows() < ROWS_EACH * own.ncols() {
+            return None;
+        }
+        let (x, rest) = Projection::new(own)?.rest(&regressors.force.select_rows(&slides));
+        let rest = rest.norm_squared();
+        if best.as_ref().is_none_or(|(least, ..)| rest < *least) {
+            best = Some((rest, x, matrix));
+        }
+    }
+    let (_, x, matrix) = best?;
+    let told = told(&matrix.select_rows(&slides), &matrix.select_rows(&moves))?;
+    let ids = unknowns.into_iter().map(|unknown| unknown.id);
+    let values = ids.zip(x.iter().copied()).zip(told);
+    let values: Vec<(ParameterId, f64)> =
+        values.filter_map(|(value, told)| told.then_some(value)).collect();
+    Some(Said { structure, values })
+}
+
+/// Rows at which the axis is faster than `speed`, and so many samples before and after.
+fn rows(recording: &Conditioned, speed: f64, around: usize) -> Vec<usize> {
+    let mut rows = Vec::new();
+    let mut first = 0;
+    for piece in &recording.pieces {
+        let velocity = recording.velocity.get(piece.kept.clone()).unwrap_or_default();
+        let own = rows_of(piece, 1);
+        // The row from which none has been too slow.
+        let mut since = 0;
+        for (k, v) in velocity.iter().enumerate() {
+            if v.abs() < speed {
+                since = k + around + 1;
+            } else if let Some(row) =
+                k.checked_sub(around).filter(|row| *row >= since && *row < own)
+            {
+                rows.push(first + row);
+            }
+        }
+        first += own;
+    }
+    rows
+}
+
+/// Of which parameters some rows tell enough, beside all.
+fn told(some: &DMatrix<f64>, all: &DMatrix<f64>) -> Option<Vec<bool>> {
+    let (some, all) = (variances(some)?, variances(all)?);
+    Some(some.iter().zip(all).map(|(some, all)| all > TOLD * some).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fit_structure;
+    use super::*;
+    use crate::conditioning::{Conditioning, Signals, condition};
+
+    const INERTIA: f64 = 1.0;
+    const F_C: f64 = 2.0;
+    const F_V: f64 = 0.3;
+
+    /// A joint that a position loop moves from place to place, at 125 Hz. It sticks before it moves
+    /// and after it has.
+    fn moves() -> Conditioned {
+        let (dt, every) = (2e-4, 40);
+        let (mut q, mut v, mut wound) = (0.0f64, 0.0f64, 0.0f64);
+        let (mut place, mut force) = (Vec::new(), Vec::new());
+        for k in 0..300_000 {
+            let t = dt * f64::from(k);
+            let (number, since) = ((t / 1.6).floor(), t % 1.6);
+            let goal = |number: f64| if number < 1.0 { 0.0 } else { 0.8 * (2.4 * number).sin() };
+            let (from, to) = (goal(number), goal(number + 1.0));
+            let part = (since / 1.1).min(1.0);
+            let way = part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part);
+            let rate = 30.0 * part.powi(2) * (1.0 - part).powi(2) / 1.1;
+            let (wanted, wanted_v) = (from + (to - from) * way, (to - from) * rate);
+            wound += 300.0 * (wanted - q) * dt;
+            let torque = 400.0 * (wanted - q) + 30.0 * (wanted_v - v) + wound;
+            if k % every == 0 {
+                place.push((q / 2e-4).round() * 2e-4);
+                force.push(torque);
+            }
+            // Friction stops it before it turns it round.
+            let driven = v + (torque - F_V * v) * dt / INERTIA;
+            v = driven.signum() * (driven.abs() - F_C * dt / INERTIA).max(0.0);
+            q += v * dt;
+        }
+        let signals =
+            Signals { time_step: 8e-3, position: Some(&place), velocity: None, force: &force };
+        let found = condition(&signals, &Conditioning::for_motion(8e-3, &[signals])).unwrap();
+        found.moving().unwrap().0
+    }
+
+    /// The structure took what happens around the rests for viscous friction.
+    #[test]
+    fn an_interval_reaches_to_what_the_sliding_says() {
+        let recording = moves();
+        let structure = "symmetric+presliding+damping+delay".parse().unwrap();
+        let mut fit = fit_structure(&recording, structure, &AxisUnits::ROTARY).unwrap();
+        let own = fit.estimates.clone();
+        fit.heed(&recording, &[]);
+        for (name, truth) in [("inertia", INERTIA), ("f_v", F_V), ("f_c", F_C)] {
+            let estimate = fit.estimates.get(name).unwrap();
+            assert!(estimate.interval.unwrap().contains(truth), "{estimate:?}");
+            let before = own.get(name).unwrap().interval.unwrap();
+            assert!(name == "inertia" || !before.contains(truth), "{before:?}");
+        }
+        for (id, truth) in [("f_v", F_V), ("f_c", F_C)] {
+            let said = fit.sliding.iter().find(|(said, _)| *said == id.into()).unwrap().1;
+            assert!((said / truth - 1.0).abs() < 0.02, "{id}: {said}");
+        }
+        assert!(fit.notes().iter().any(|note| note.contains("away from reversals")));
+    }
+}
