@@ -176,6 +176,23 @@ fn what_is_no_bag_is_refused() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
 }
 
+/// The index behind a chunk, its first byte damaged to that of a message: it read as one, of the
+/// same channel and time, with a content that was none, and the whole topic was lost.
+#[test]
+fn a_damaged_index_is_no_message() {
+    for compression in [Compression::None, Compression::Zstd] {
+        let folder = folder();
+        let whole = fs::read(write(&folder.path().join("bag"), compression)).unwrap();
+        let everything: BTreeSet<u64> = (0..MESSAGES).map(stamp).collect();
+        for (place, _) in chunks(&whole) {
+            let mut bytes = whole.clone();
+            assert_eq!(bytes[place.end], mcap::records::op::MESSAGE_INDEX);
+            bytes[place.end] = mcap::records::op::MESSAGE;
+            assert_eq!(recovered(folder.path(), &bytes), Some(everything.clone()), "{place:?}");
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 192, ..ProptestConfig::default() })]
 

@@ -15,7 +15,7 @@ use mcap::records::{Channel, MessageHeader, Record, SchemaHeader, op};
 use super::read_at::ReadAt;
 
 pub(super) use self::record::LARGEST_RECORD;
-use self::record::{HEAD, length, parse, unpack};
+use self::record::{HEAD, is_index, length, parse, unpack};
 
 /// Bytes looked at in one go while searching.
 const WINDOW: usize = 1 << 20;
@@ -149,7 +149,7 @@ impl Salvage {
                 Ok(true)
             }
             op::SCHEMA | op::CHANNEL | op::MESSAGE => {
-                if parse(record).is_none() {
+                if parse(record).is_none() || is_index(record) {
                     return Ok(false);
                 }
                 self.take_inner(record, take)?;

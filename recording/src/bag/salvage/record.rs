@@ -30,6 +30,20 @@ pub(super) fn parse(record: &[u8]) -> Option<Record<'_>> {
     mcap::parse_record(opcode, content).ok()
 }
 
+/// Whether what calls itself a message is the index of a chunk with a damaged opcode: a channel, the
+/// length of a list, and as many pairs of a time and a place in the chunk. A message would need a
+/// number of its own that is the length of its rest, and a time of publication a few bytes after 1970.
+pub(super) fn is_index(record: &[u8]) -> bool {
+    let Some((&op::MESSAGE, content)) =
+        record.split_first().and_then(|(opcode, rest)| Some((opcode, rest.get(8..)?)))
+    else {
+        return false;
+    };
+    let place = content.get(14..22).and_then(|place| place.first_chunk::<8>());
+    let inside = place.is_some_and(|place| u64::from_le_bytes(*place) <= LARGEST_RECORD as u64);
+    inside && Content(content).ends_with(op::MESSAGE_INDEX) && (content.len() - 6) % 16 == 0
+}
+
 /// What is left of a record's content.
 struct Content<'a>(&'a [u8]);
 
