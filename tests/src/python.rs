@@ -56,12 +56,17 @@ fn interpreter_in(variable: &str, beside: &str, part: &str) -> PathBuf {
 }
 
 /// The program `rerun` of an environment of its own. `$FRICTION_PYTHON_ENV_RERUN` names one
-/// elsewhere.
+/// elsewhere. It is the program itself: the script of its name in `bin` starts it as a child, which
+/// goes on when the script is killed.
 ///
 /// # Panics
 /// As [`interpreter`].
 pub fn rerun() -> PathBuf {
-    interpreter_in("FRICTION_PYTHON_ENV_RERUN", "python-rerun", "rerun").with_file_name("rerun")
+    let python = interpreter_in("FRICTION_PYTHON_ENV_RERUN", "python-rerun", "rerun");
+    let libraries = python.ancestors().nth(2).expect("a folder of its own").join("lib");
+    let versions = std::fs::read_dir(libraries).expect("libraries").flatten();
+    let program = |version: std::fs::DirEntry| version.path().join("site-packages/rerun_cli/rerun");
+    versions.map(program).find(|program| program.is_file()).expect("the program of the viewer")
 }
 
 /// The interpreter of an environment of its own with a peer on Cyclone DDS.
