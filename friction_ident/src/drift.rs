@@ -38,7 +38,7 @@ pub fn drift(prediction: &Prediction) -> Option<f64> {
             let middle = time.get((own.start + own.end) / 2)?;
             // A constant force cancels.
             let both = forward.count.min(backward.count) >= FEWEST_ROWS;
-            both.then(|| (*middle, 0.5 * (forward.mean - backward.mean)))
+            both.then_some((*middle, 0.5 * (forward.mean - backward.mean)))
         })
         .collect();
     let (slope, clear) = slope(&points)?;
