@@ -79,7 +79,7 @@ impl StructureFit {
             doubts::STEADY.contains(&estimate.id.name) && estimate.value < -CLEARLY * error
         };
         let estimate = self.estimates.parameters.iter().find(below)?;
-        Some(FitDoubt::Impossible { id: estimate.id, value: estimate.value })
+        Some(FitDoubt::Impossible { id: estimate.id })
     }
 
     /// The periods \[m or rad\] that parts of the recording ask for, where they are not one and the
@@ -107,15 +107,6 @@ impl StructureFit {
                      friction builds up around a reversal. Pre-sliding and a rising curve cannot be told apart without slow steady motion."
                 ));
             }
-        }
-        if !self.sliding.is_empty() {
-            let said: Vec<String> =
-                self.sliding.iter().map(|(id, value)| format!("{id} {value:.3}")).collect();
-            notes.push(format!(
-                "Where the axis slides, away from reversals and rest, least squares finds {}. The structure says something else, because \
-                 around reversals something acts that it does not have. The intervals reach to both; of steady sliding, those numbers tell more.",
-                said.join(", ")
-            ));
         }
         let unsteady = |estimate: &&Estimate| {
             matches!(

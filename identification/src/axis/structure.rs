@@ -8,9 +8,10 @@ use friction_ident::axis_structure::{
     AxisStructure, AxisUnits, Choice, CrossValidation, StructureFit, UnknownStructure, blocks_for,
     choose, cross_validate_beside, fit_structure, growth,
 };
-use friction_ident::{Conditioned, IdentError, Prediction, adequacy};
+use friction_ident::{Conditioned, IdentError, ParameterId, Prediction, adequacy};
 
 use recording::AxisKind;
+use report::numbers::significant;
 use work::progress::Progress;
 use work::sequencer::{Completion, run_in_order};
 
@@ -89,6 +90,24 @@ impl Structured {
     /// The chosen structure's score.
     pub fn chosen(&self) -> Option<&CrossValidation> {
         self.scores.get(self.choice.chosen)
+    }
+
+    /// What must be known to read the parameters right.
+    pub fn notes(&self) -> Vec<String> {
+        let number = |(id, value): &(ParameterId, f64)| {
+            let estimate = self.fit.estimates.get(*id);
+            let unit = estimate.map_or("", |estimate| estimate.unit);
+            format!("{id} {} {unit}", significant(*value, 4))
+        };
+        let said: Vec<String> = self.fit.sliding.iter().map(number).collect();
+        let sliding = (!said.is_empty()).then(|| {
+            format!(
+                "Where the axis slides, away from reversals and rest, least squares finds {}. The structure says something else, because \
+                 around reversals something acts that it does not have. The intervals reach to both; of steady sliding, those numbers tell more.",
+                said.join(", ")
+            )
+        });
+        sliding.into_iter().chain(self.fit.notes()).collect()
     }
 }
 
@@ -256,6 +275,15 @@ mod tests {
             Signals { time_step: 1e-3, position: Some(&place), velocity: None, force: &force };
         let recording = condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap();
         let [simple, late] = ["symmetric", "symmetric+delay"].map(|name| name.parse().unwrap());
+        let wanted = StructureChoice::Named(vec![late]);
+        let (progress, cancel) =
+            (Progress::counting(1, "structures", true), AtomicBool::new(false));
+        let found = structured(&recording, None, &wanted, AxisKind::Rotary, &progress, &cancel);
+        let mut found = found.unwrap().unwrap();
+        assert!(!found.notes().iter().any(|note| note.contains("slides")), "{:?}", found.notes());
+        found.fit.sliding = vec![("inertia".into(), 6.125e-5)];
+        let note = found.notes().swap_remove(0);
+        assert!(note.contains("least squares finds inertia 6.125e-5 kg m^2."), "{note}");
         let mut scores = [simple, late].map(|of| cross_validate(&recording, of, 8).unwrap());
         // As if it predicted best.
         scores[0].relative_error = 0.0;

@@ -18,7 +18,7 @@ const CLOUD: usize = 1500;
 /// What the page gets; `warned` are the structures that the page warns of.
 pub fn blocks(found: &Structured, axis: AxisKind, warned: &[AxisStructure]) -> Vec<Block> {
     let mut blocks = vec![Block::Heading(format!("The structure: {}", found.fit.structure))];
-    blocks.extend(found.fit.notes().into_iter().chain(left_out(found)).map(Block::Note));
+    blocks.extend(found.notes().into_iter().chain(left_out(found)).map(Block::Note));
     blocks.push(Block::Text(format!(
         "Structures are compared by cross-validation inside the estimation recording: {} contiguous blocks, each predicted by a fit to the others. Of those whose \
          excess over the best is within one standard error of the difference, paired block by block, the one with the fewest parameters is chosen. \
@@ -231,7 +231,7 @@ pub fn terminal(found: &Structured) -> String {
     if let Some(other) = &found.validation {
         let _ = writeln!(text, "  cross-test     {:.3} %", other.relative_error);
     }
-    for note in found.fit.notes().into_iter().chain(left_out(found)) {
+    for note in found.notes().into_iter().chain(left_out(found)) {
         let _ = writeln!(text, "note: {note}");
     }
     text
@@ -255,7 +255,7 @@ pub fn document(found: &Structured) -> Value {
         "cross_test_relative_error_percent": found.validation.as_ref().map(|other| other.relative_error),
         "cross_test_stretches_s": found.validation.as_ref().map(Prediction::stretches),
         "warnings": found.warnings,
-        "notes": found.fit.notes(),
+        "notes": found.notes(),
     })
 }
 
