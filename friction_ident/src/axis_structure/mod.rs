@@ -38,6 +38,7 @@ mod profile;
 mod regressors;
 mod rivals;
 mod rows;
+mod said;
 mod search;
 mod shape;
 mod sliding;

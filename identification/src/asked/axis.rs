@@ -107,8 +107,16 @@ impl Found {
         let found =
             structured(&estimation, other.as_ref(), wanted, settings.axis, progress, cancel);
         progress.finish();
-        let mut found =
-            found.map_err(|error| BadInput(format!("{}: {error}", recording.path.display())))?;
+        let mut found = found.map_err(|error| {
+            // No structure can do without an inertia.
+            let option = match &error {
+                IdentError::NegativeInertia { .. } => {
+                    " (--force-column NAME:-SCALE, or --without-inertia in place of --structure)"
+                }
+                _ => "",
+            };
+            BadInput(format!("{}: {error}{option}", recording.path.display()))
+        })?;
         if let (Some(structured), Some(_)) = (&mut found, &self.found.too_fast) {
             if let Some(source) = self.found.refusal(structured.estimation.relative_error) {
                 let path = recording.path.clone();
