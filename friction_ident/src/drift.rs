@@ -30,11 +30,11 @@ pub fn drift(prediction: &Prediction) -> Option<f64> {
     let points: Vec<(f64, f64)> = (0..BLOCKS)
         .filter_map(|block| {
             let own = block * rows / BLOCKS..(block + 1) * rows / BLOCKS;
-            let along = |forward: bool| {
-                let own = own.clone().filter(move |&k| (velocity[k] > 0.0) == forward);
+            let along = |way: f64| {
+                let own = own.clone().filter(move |&k| way * velocity[k] > 0.0);
                 Sample::of(own.map(|k| residual[k]))
             };
-            let (forward, backward) = (along(true), along(false));
+            let (forward, backward) = (along(1.0), along(-1.0));
             let middle = time.get((own.start + own.end) / 2)?;
             // A constant force cancels.
             let both = forward.count.min(backward.count) >= FEWEST_ROWS;

@@ -139,7 +139,7 @@ def axis(number, folder):
     f_v *= {"warms up": 1.1}.get(beside, 1.0)
     # Friction of two levels is one level and a constant force. A weight that turns a little is one
     # too, for whoever sees no more of it.
-    offset = None if tilt else 0.15 * f_c if beside == "direction" else 0.0
+    offset = 0.15 * f_c if beside == "direction" else None if tilt else 0.0
     has = [motion.kind, *([beside] if beside else []), *(["a sample late"] if late else [])]
     if tilt:
         has.append("gravity")

@@ -16,7 +16,7 @@ use super::said::Said;
 use super::search::Projection;
 use super::shape::{LONGEST_DELAY, PositionScale, Shape};
 use super::stability::variances;
-use crate::conditioning::Conditioned;
+use crate::conditioning::{Conditioned, Piece};
 use crate::parameter_id::ParameterId;
 use crate::statistics::{quantile, sorted};
 
@@ -30,8 +30,10 @@ const MOST_FADED: f64 = 0.5;
 const AROUND: usize = 2;
 /// Share of what a recording tells of a parameter that must lie in the sliding.
 const TOLD: f64 = 0.1;
-/// Samples beyond which a recording is too long to be taken at its full rate.
-const MOST_SAMPLES: usize = 2_000_000;
+/// Samples of a recording that are taken at its full rate: of a longer one every so many stretches
+/// of so many samples.
+const MOST_SAMPLES: usize = 500_000;
+const EXCERPT: usize = 10_000;
 /// Rows for each parameter that a fit needs.
 const ROWS_EACH: usize = 10;
 
@@ -43,10 +45,8 @@ pub(super) fn said(
     shape: &Shape,
     scale: PositionScale,
 ) -> Option<Said> {
-    if recording.velocity.len() > MOST_SAMPLES {
-        return None;
-    }
-    let fine = Conditioned { decimate: 1, ..recording.clone() };
+    let pieces = excerpts(&recording.pieces, recording.velocity.len(), MOST_SAMPLES);
+    let fine = Conditioned { decimate: 1, pieces, ..recording.clone() };
     let structure = AxisStructure { stribeck: false, presliding: false, damping: false, ..of };
     let mut regressors = Regressors::new(&fine, structure, scale).ok()?;
     let speeds = sorted(fine.velocity.iter().map(|v| v.abs()));
@@ -79,6 +79,23 @@ pub(super) fn said(
     let values: Vec<(ParameterId, f64)> =
         values.filter_map(|(value, told)| told.then_some(value)).collect();
     Some(Said { structure, values })
+}
+
+/// The stretches of a recording of `samples`, or every so many parts of them, so that no more than
+/// about `most` samples are left.
+fn excerpts(pieces: &[Piece], samples: usize, most: usize) -> Vec<Piece> {
+    let every = samples.div_ceil(most);
+    if every <= 1 {
+        return pieces.to_vec();
+    }
+    let parts = pieces.iter().flat_map(|piece| {
+        let starts = piece.kept.clone().step_by(EXCERPT);
+        starts.map(|start| Piece {
+            kept: start..piece.kept.end.min(start + EXCERPT),
+            ..piece.clone()
+        })
+    });
+    parts.step_by(every).collect()
 }
 
 /// Rows at which the axis is faster than `speed`, and so many samples before and after.
@@ -151,6 +168,31 @@ mod tests {
             Signals { time_step: 8e-3, position: Some(&place), velocity: None, force: &force };
         let found = condition(&signals, &Conditioning::for_motion(8e-3, &[signals])).unwrap();
         found.moving().unwrap().0
+    }
+
+    #[test]
+    fn of_a_long_recording_parts_are_enough() {
+        let recording = moves();
+        let samples: usize = recording.pieces.iter().map(|piece| piece.kept.len()).sum();
+        let parts = excerpts(&recording.pieces, samples, samples / 4);
+        let left: usize = parts.iter().map(|piece| piece.kept.len()).sum();
+        assert!(left > samples / 8 && left < samples / 3, "{left} of {samples}");
+        let structure = AxisStructure::SYMMETRIC;
+        let scale = PositionScale::of(&recording);
+        let shape = Shape { delay: 0.0, v_s: 1.0, displacement: 1.0, period: 1.0 };
+        let part = Conditioned { pieces: parts, ..recording.clone() };
+        for recording in [recording, part] {
+            let said = said(&recording, structure, &shape, scale).unwrap();
+            let f_v = said.value("f_v".into(), structure).unwrap();
+            assert!((f_v / F_V - 1.0).abs() < 0.02, "{f_v}");
+        }
+        let long = Piece { kept: 5..2_500_005, ..part_of(0..1) };
+        let parts = excerpts(&[long], 2_500_000, MOST_SAMPLES);
+        assert!(parts.len() == 50 && parts[1].kept == (50_005..60_005), "{}", parts.len());
+    }
+
+    fn part_of(kept: std::ops::Range<usize>) -> Piece {
+        Piece { stretch: 0, kept, origin: 0..1, begin: 0, way: 0.0, start: 0.0 }
     }
 
     /// The structure took what happens around the rests for viscous friction.

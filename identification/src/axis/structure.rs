@@ -102,8 +102,8 @@ impl Structured {
         let said: Vec<String> = self.fit.sliding.iter().map(number).collect();
         let sliding = (!said.is_empty()).then(|| {
             format!(
-                "Where the axis slides, away from reversals and rest, least squares finds {}. The structure says something else, because \
-                 around reversals something acts that it does not have. The intervals reach to both; of steady sliding, those numbers tell more.",
+                "Where the axis slides, away from reversals and rest, least squares finds {}. The structure says something else, most often because \
+                 around reversals something acts that it does not have. The intervals reach to both; of steady sliding, those numbers mostly tell more.",
                 said.join(", ")
             )
         });

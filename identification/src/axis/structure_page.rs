@@ -47,7 +47,13 @@ pub fn blocks(found: &Structured, axis: AxisKind, warned: &[AxisStructure]) -> V
 
 /// The structures that the recording cannot show.
 fn left_out(found: &Structured) -> Option<String> {
-    let one = |(structure, why): &(AxisStructure, IdentError)| format!("{structure} ({why})");
+    let one = |(structure, why): &(AxisStructure, IdentError)| match why {
+        // What to do about it is for who has no other structure.
+        IdentError::NegativeInertia { .. } => {
+            format!("{structure} (its inertia comes out negative)")
+        }
+        why => format!("{structure} ({why})"),
+    };
     let all: Vec<String> = found.refused.iter().map(one).collect();
     (!all.is_empty()).then(|| format!("Structures that were left out: {}.", all.join("; ")))
 }

@@ -1,5 +1,6 @@
-//! `cargo xtask strangers --real` on one small recording: the command runs, and both halves tell the
-//! same. What comes of all recordings stands in `docs/explanation/results.md`.
+//! `cargo xtask strangers --real` on one small recording, and `--mujoco` on two axes: the command runs,
+//! both halves tell the same, and what MuJoCo moves is judged. What comes of all of them stands in
+//! `docs/explanation/identification.md`.
 
 use std::path::Path;
 
@@ -37,4 +38,24 @@ fn a_folder_without_recordings_is_said_to_have_none() {
     let empty = tempfile::tempdir().unwrap();
     let told = strangers(empty.path(), &[]);
     assert!(told.starts_with("skipped: ") && told.contains("no recording"), "{told}");
+}
+
+#[tests::needs(mujoco)]
+#[test]
+fn axes_that_mujoco_moves_are_judged() {
+    let out = tempfile::tempdir().unwrap();
+    let output = tests::xtask()
+        .args(["strangers", "--mujoco", "--machines", "2", "--first", "1", "--alone", "--out"])
+        .arg(out.path())
+        .arg("--program")
+        .arg(tests::frictionlab().get_program())
+        .current_dir(tests::checkout())
+        .output()
+        .expect("it starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let told = String::from_utf8(output.stdout).expect("it tells in UTF-8");
+    for row in ["| 1 | mujoco | 100 | moves |", "| 2 | mujoco | 1000 | triangle, gravity |"] {
+        assert!(told.contains(row), "{told}");
+    }
+    assert!(told.contains("2 machines, 0 refused"), "{told}");
 }
