@@ -331,32 +331,12 @@ def identify_joints(
     [0.1, 0.2]
     """
     asked = _Asked(data, validate, keywords | {"model": model})
-    return _each(asked, asked.joints(joint) or [None])
+    return asked.each(joint)
 
 
 def each_or_whole(data: Data, keywords: Mapping[str, Any]) -> Joints:
-    """All joints by name; a recording that names none is one joint, without a name."""
-    asked = _Asked(data, (), keywords)
-    try:
-        names: Iterable[str | None] = asked.joints("all") or [None]
-    except BadInput:
-        # Where that is not why, the identification says why.
-        names = [None]
-    return _each(asked, names)
-
-
-def _each(asked: _Asked, names: Iterable[str | None]) -> Joints:
-    found, failed = {}, {}
-    first: BadInput | None = None
-    for name in names:
-        try:
-            found[name or ""] = asked.identify(name)
-        except BadInput as error:
-            failed[name or ""] = str(error)
-            first = first or error
-    if first is not None and not found:
-        raise first
-    return Joints(found, failed)
+    """All joints by name; a recording that names none, or whose joints cannot be told, is one joint without a name."""
+    return _Asked(data, (), keywords).each("all", forgiving=True)
 
 
 class _Asked:
@@ -377,3 +357,19 @@ class _Asked:
 
     def identify(self, joint: str | None) -> Identification:
         return Identification(_native.identify(self._options + options({"joint": joint}), self._names, self._tables))
+
+    def each(self, joint: str | Iterable[str], *, forgiving: bool = False) -> Joints:
+        each = _native.identify_each(self._options, options({"joint": joint}), self._names, self._tables, forgiving)
+        found, failed = {}, {}
+        first: BadInput | None = None
+        for name, outcome in each:
+            if isinstance(outcome, BadInput):
+                failed[name or ""] = str(outcome)
+                first = first or outcome
+            elif isinstance(outcome, Exception):
+                raise outcome
+            else:
+                found[name or ""] = Identification(outcome)
+        if first is not None and not found:
+            raise first
+        return Joints(found, failed)

@@ -1,6 +1,7 @@
 //! `identify`: what `frictionlab identify` does, without files.
 
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use identification::asked::friction::{Asked, FILES, contents};
 use identification::asked::{IdentifyArgs, axis, check};
@@ -13,6 +14,7 @@ use work::{BadInput, line};
 
 use crate::arrays::{Table, array, table};
 use crate::calls::{at_once, call, silent};
+use crate::errors::exception;
 use crate::models::Model;
 
 /// Identifies as the command does with these options; `files` names files and `tables`.
@@ -24,22 +26,72 @@ pub fn identify(
     tables: Vec<Table<'_>>,
 ) -> PyResult<Found> {
     let arrays: anyhow::Result<Vec<_>> = tables.iter().map(table).collect();
-    call(py, move |cancel| {
-        let args = parsed(options, files, arrays?)?;
-        check(&args)?;
-        let progress = silent();
-        let found = if args.is_friction() {
-            let found = Asked::read(&args)?.identify(&progress, cancel)?;
-            What::Friction(Box::new(found))
-        } else {
-            let mut found = axis::Asked::read(&args)?.identify()?;
-            if let Some(wanted) = &args.structure {
-                found.compare(wanted, &progress, cancel)?;
-            }
-            What::Axis(Box::new(found))
+    call(py, move |cancel| found(&parsed(options, files, arrays?)?, cancel))
+}
+
+/// Identifies each of the joints that `joint` among these options means, one after the other: their
+/// names, with what was found or the exception that says why nothing was. A recording that names no
+/// joints is one, without a name; where `forgiving`, one whose joints cannot be read is so too, and
+/// its identification says why.
+///
+/// All is one piece of work on one thread: small recordings, thousands of them, take no longer for
+/// being handed from thread to thread.
+#[pyfunction]
+pub fn identify_each<'py>(
+    py: Python<'py>,
+    options: Vec<String>,
+    joint: Vec<String>,
+    files: Vec<String>,
+    tables: Vec<Table<'py>>,
+    forgiving: bool,
+) -> PyResult<Vec<(Option<String>, Bound<'py, PyAny>)>> {
+    let arrays: anyhow::Result<Vec<_>> = tables.iter().map(table).collect();
+    let each = call(py, move |cancel| {
+        let arrays = arrays?;
+        let asked = [&options[..], &joint].concat();
+        let named = match parsed(asked, files.clone(), arrays.clone())?.joints() {
+            Ok(named) => named,
+            Err(_) if forgiving => Vec::new(),
+            Err(error) => return Err(error),
         };
-        Ok(Found { found, contents: OnceLock::new() })
-    })
+        let names =
+            if named.is_empty() { vec![None] } else { named.into_iter().map(Some).collect() };
+        let mut each = Vec::with_capacity(names.len());
+        for name in names {
+            if cancel.load(Ordering::Relaxed) {
+                break;
+            }
+            let one = name.iter().map(|name| format!("--joint={name}"));
+            let options = options.iter().cloned().chain(one).collect();
+            let args = parsed(options, files.clone(), arrays.clone());
+            each.push((name, args.and_then(|args| found(&args, cancel))));
+        }
+        Ok(each)
+    })?;
+    let told = |(name, outcome): (_, anyhow::Result<Found>)| {
+        let outcome = match outcome {
+            Ok(found) => Bound::new(py, found)?.into_any(),
+            Err(error) => exception(py, &error).into_value(py).into_bound(py).into_any(),
+        };
+        Ok((name, outcome))
+    };
+    each.into_iter().map(told).collect()
+}
+
+fn found(args: &IdentifyArgs, cancel: &AtomicBool) -> anyhow::Result<Found> {
+    check(args)?;
+    let progress = silent();
+    let found = if args.is_friction() {
+        let found = Asked::read(args)?.identify(&progress, cancel)?;
+        What::Friction(Box::new(found))
+    } else {
+        let mut found = axis::Asked::read(args)?.identify()?;
+        if let Some(wanted) = &args.structure {
+            found.compare(wanted, &progress, cancel)?;
+        }
+        What::Axis(Box::new(found))
+    };
+    Ok(Found { found, contents: OnceLock::new() })
 }
 
 /// The joints that `--joint` among these options means: all of them, or those of a list.

@@ -33,7 +33,7 @@ mod native {
     #[pymodule_export]
     use crate::features::features;
     #[pymodule_export]
-    use crate::identify::{Found, identify, joints};
+    use crate::identify::{Found, identify, identify_each, joints};
     #[pymodule_export]
     use crate::models::{Contact, Model, catalogue};
     #[pymodule_export]

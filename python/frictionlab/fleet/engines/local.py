@@ -11,6 +11,7 @@ import pickle
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Generator, Iterable
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import suppress
@@ -22,6 +23,8 @@ from . import TRIES, R, T, Work, died
 
 # How much longer than its own limit a process is waited for [s].
 GRACE = 30.0
+# How often it is looked for such processes [s].
+LOOK = 1.0
 
 
 class Local(Generic[T, R]):
@@ -61,6 +64,18 @@ class _Processes(Generic[T, R]):
         self._all: set[subprocess.Popen[bytes]] = set()
         self._lock = threading.Lock()
         self._ended = False
+        # When each process that works is ended.
+        self._until: dict[subprocess.Popen[bytes], float] = {}
+        self._over = threading.Event()
+        threading.Thread(target=self._watch, name="friction-fleet-watch", daemon=True).start()
+
+    def _watch(self) -> None:
+        """Ends processes that work for too long: one thread for all tasks, because a thread a task costs more than a small task."""
+        while not self._over.wait(LOOK):
+            now = time.monotonic()
+            for process, until in list(self._until.items()):
+                if now > until:
+                    process.kill()
 
     def work(self, task: T) -> R:
         """The outcome of a task, by the process of this thread."""
@@ -68,14 +83,12 @@ class _Processes(Generic[T, R]):
             try:
                 process = self._process()
                 # The limit of the work itself may not be heard in the middle of a library's call.
-                watch = threading.Timer(self._work.longest_s + GRACE, process.kill)
-                watch.daemon = True
-                watch.start()
+                self._until[process] = time.monotonic() + self._work.longest_s + GRACE
                 try:
                     _send(process.stdin, task)
                     found: R = pickle.load(process.stdout)  # type: ignore[arg-type]
                 finally:
-                    watch.cancel()
+                    del self._until[process]
                 return found
             except (EOFError, OSError, pickle.UnpicklingError):
                 self._gone()
@@ -105,6 +118,7 @@ class _Processes(Generic[T, R]):
 
     def end(self) -> None:
         """Ends all processes at once; they leave nothing half-done."""
+        self._over.set()
         with self._lock:
             self._ended = True
             for process in self._all:

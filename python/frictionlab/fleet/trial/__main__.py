@@ -25,6 +25,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seeds", type=int, default=3, metavar="N", help="fleets for each line of `drift` (default: 3)")
     parser.add_argument("--engine", default="local", metavar="NAMES", help="engines, with commas (default: local)")
     parser.add_argument("--recordings", type=int, default=400, metavar="N", help="recordings for `engines` (default: 400)")
+    parser.add_argument("--points", type=int, default=40, metavar="N", help="points a direction of each of them (default: 40)")
     parser.add_argument("--model", default="stribeck", metavar="NAME", help="model for `engines` (default: stribeck)")
     given = parser.parse_args(arguments)
 
@@ -34,7 +35,7 @@ def main(arguments: list[str] | None = None) -> int:
         elif given.what == "driver":
             print(engines.driver(given.recordings))
         else:
-            print(engines.table(given.engine.split(","), given.recordings, model=given.model))
+            print(engines.table(given.engine.split(","), given.recordings, given.points, model=given.model))
         return 0
 
     return conclude(work)

@@ -28,13 +28,13 @@ class Timed(NamedTuple):
     memory_mb: float
 
 
-def timed(engine: str, workers: int, count: int, **keywords: Any) -> Timed:
+def timed(engine: str, workers: int, count: int, points: int = 40, **keywords: Any) -> Timed:
     """Identifies made recordings; starting the processes is not counted, the first recordings are."""
     with tempfile.TemporaryDirectory(prefix="friction-fleet-") as name:
         folder = Path(name) / "recordings"
         folder.mkdir()
         for seed in range(count):
-            (folder / f"{seed:06d}.csv").write_bytes(recording(seed))
+            (folder / f"{seed:06d}.csv").write_bytes(recording(seed, points=points))
         seen: list[tuple[float, int]] = []
         if engine == "ray":
             # A cluster of so many processors, each with work to come.
@@ -94,11 +94,11 @@ def driver(count: int) -> str:
     return "\n".join(lines)
 
 
-def table(engines: list[str], count: int, repeats: int = 3, **keywords: Any) -> str:
+def table(engines: list[str], count: int, points: int = 40, repeats: int = 3, **keywords: Any) -> str:
     """Engines with one and two workers as a table in Markdown; the fastest of several runs in turn."""
     lines = ["| engine | workers | recordings | ms a recording | speed-up | memory of the driver |", "|---|---|---|---|---|---|"]
     for engine in engines:
-        runs = [[timed(engine, workers, count, **keywords) for workers in (1, 2)] for _ in range(repeats)]
+        runs = [[timed(engine, workers, count, points, **keywords) for workers in (1, 2)] for _ in range(repeats)]
         found = [min(several, key=lambda one: one.seconds) for several in zip(*runs, strict=True)]
         for one in found:
             faster = f"{found[0].seconds / one.seconds:.2f}" if one.workers > 1 else ""
