@@ -158,6 +158,15 @@ pub fn in_newton(python: &Path, file: &str, torque: &[f64]) -> Motion {
     moved(python, "newton_session.py", file, None, torque)
 }
 
+/// The motion of an entity of mjlab with an exported file, in the MuJoCo that mjlab stands on.
+///
+/// # Panics
+/// As [`in_mujoco`].
+#[must_use]
+pub fn in_mjlab(python: &Path, file: &str, torque: &[f64]) -> Motion {
+    moved(python, "mjlab_session.py", file, None, torque)
+}
+
 fn moved(
     python: &Path,
     script: &str,

@@ -1,12 +1,12 @@
-//! `cargo xtask simulators`: exported friction, run in versions of MuJoCo and Newton beside our own
-//! models.
+//! `cargo xtask simulators`: exported friction, run in versions of MuJoCo, Newton and mjlab beside
+//! our own models.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use simulator_export::{Target, Version};
 use tests::simulators::{
-    Apart, INERTIA, Motion, exported, frictions, in_mujoco, in_newton, of_model, torque,
+    Apart, INERTIA, Motion, exported, frictions, in_mjlab, in_mujoco, in_newton, of_model, torque,
 };
 
 use crate::python_env::{Environment, target};
@@ -25,6 +25,9 @@ pub struct Simulators {
     /// Versions of Newton, which runs on the processor: 0.7 GB each, and some minutes
     #[arg(long, value_delimiter = ',', default_values_t = NEWTON.map(str::to_owned))]
     newton: Vec<String>,
+    /// Versions of mjlab, as 1.6.0: 7 GB each, for the PyTorch that it stands on; none unless asked
+    #[arg(long, value_delimiter = ',')]
+    mjlab: Vec<String>,
 }
 
 /// A simulator as a wheel.
@@ -40,6 +43,8 @@ const IN_MUJOCO: Simulator =
     Simulator { name: "MuJoCo", target: Target::Mjcf, wheel: "mujoco", moves: in_mujoco };
 const IN_NEWTON: Simulator =
     Simulator { name: "Newton", target: Target::Newton, wheel: "newton[sim]", moves: in_newton };
+const IN_MJLAB: Simulator =
+    Simulator { name: "mjlab", target: Target::Mjlab, wheel: "mjlab", moves: in_mjlab };
 
 impl Simulators {
     /// Runs every friction in every version and prints the table.
@@ -51,7 +56,8 @@ impl Simulators {
             "| simulator | friction | in the file | torque error of the file, sliding rms | motion apart, rms | worst | of the motion |"
         );
         println!("|---|---|---|---|---|---|---|");
-        for (simulator, versions) in [(IN_MUJOCO, &self.mujoco), (IN_NEWTON, &self.newton)] {
+        let all = [(IN_MUJOCO, &self.mujoco), (IN_NEWTON, &self.newton), (IN_MJLAB, &self.mjlab)];
+        for (simulator, versions) in all {
             for text in versions {
                 let python = simulator.python(text)?;
                 simulator.rows(text, &python)?;

@@ -182,7 +182,7 @@ pub fn fit_structure(
     let minimum = search.linearise(&best, &terms)?;
     let mut estimates = Estimates::linearised(&minimum, &names, share);
     let motion = search.regressors.motion(&best.shape);
-    let course = Course { pieces: &search.regressors.rows.pieces(), motion: &motion };
+    let course = Course { points: 0, pieces: &search.regressors.rows.pieces(), motion: &motion };
     let rises = robust_errors(&minimum, &course, &mut estimates);
     let whole = Whole::of(&mut search, &best)?;
     profile::intervals(&mut search, &best, &whole, &rises, &mut estimates);

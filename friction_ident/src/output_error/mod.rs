@@ -231,7 +231,8 @@ pub fn fit_output_error(
     // Errors of white residuals are known better without; exact data leave nothing but rounding.
     let exact = minimum.sum <= EXACT * data.square();
     if share < WHITE && !exact && !data.stretches.is_empty() {
-        let course = Course { pieces: &pieces, motion: &problem.motion() };
+        let points = data.points.len();
+        let course = Course { points, pieces: &pieces, motion: &problem.motion() };
         robust_errors(&minimum, &course, &mut estimates);
     }
     let left = if exact { None } else { left(&problem, minimum.residuals.as_slice(), data) };

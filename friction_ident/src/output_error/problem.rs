@@ -82,8 +82,7 @@ impl<'a> OutputError<'a> {
     pub fn pieces(&self) -> Vec<usize> {
         let resting = |rest: &Vec<bool>| rest.iter().filter(|rest| **rest).count();
         let samples = self.data.stretches.iter().zip(&self.rest);
-        let points = (!self.data.points.is_empty()).then_some(self.data.points.len());
-        points.into_iter().chain(samples.map(|(s, rest)| s.len() - resting(rest))).collect()
+        samples.map(|(s, rest)| s.len() - resting(rest)).collect()
     }
 
     /// What moves at each residual.

@@ -299,7 +299,7 @@ pub fn fit_axis_freely(recording: &Conditioned, model: AxisModel) -> Result<Axis
     )?;
     let squares = solution.residual.norm_squared();
     let variance = squares / (samples - terms.len()) as f64;
-    let course = Course { pieces: &regression.pieces, motion: &regression.motion };
+    let course = Course { points: 0, pieces: &regression.pieces, motion: &regression.motion };
     let errors = robust_covariance(&regression.matrix, solution.residual.as_slice(), &course);
     let estimate = |(i, term)| {
         let error: Option<&RobustError> =

@@ -26,9 +26,15 @@
 //! O'Hagan (2001, Journal of the Royal Statistical Society B 63, 425) do: the interval is one for
 //! the parameter of the axis, not for the one that this model would have along this trajectory.
 //!
+//! Measurements of their own beside a recording ([`Course::points`]) have waves of their own. A few
+//! dozen of them among thousands of samples are a small part of the rows, but each confirms the
+//! others; the variances of both add up (Satterthwaite 1946, Biometrics Bulletin 2, 110).
+//!
 //! Where the slowest waves stand out of the others, the axis changed during the recording. The
 //! error is then taken from these waves alone, with their few degrees of freedom, and the parameter
 //! has a doubt.
+
+use std::ops::Range;
 
 use nalgebra::DMatrix;
 use serde::Serialize;
@@ -43,6 +49,8 @@ pub const METHOD: &str = "sandwich covariance with cosine weights (Lazarus, Lewi
 
 /// Waves at most.
 const MOST: usize = 16;
+/// Waves at most over measurements of their own, whose noise is white.
+const MOST_OF_POINTS: usize = 64;
 /// Waves at least.
 const LEAST: usize = 4;
 /// Independent stretches of the score below which no wave is slow enough.
@@ -51,6 +59,8 @@ const STRETCHES: f64 = 12.0;
 const DEGREES: f64 = 2.5;
 /// Factor by which the fit may have taken the score's slow waves away.
 const LACKING: f64 = 4.0;
+/// Share of a parameter's weight below which some rows have nothing to say of it.
+const NOTHING: f64 = 1e-12;
 /// Slowest waves, in which a drift shows.
 const SLOW: usize = 2;
 /// Waves over the range of a quantity of the motion. Few, because what a model lacks is smooth there
@@ -136,8 +146,11 @@ impl RobustCovariance {
 /// How the rows of a fit follow one another.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Course<'a> {
-    /// Lengths of the stretches without a gap, in the order of time; beyond their sum rows count as
-    /// another piece.
+    /// Rows at the head that are measurements of their own, in no order of time: what one has of
+    /// noise says nothing of the next. The others follow one another.
+    pub points: usize,
+    /// Lengths of the stretches without a gap of the others, in the order of time; beyond their sum
+    /// rows count as another piece.
     pub pieces: &'a [usize],
     /// Quantities of the motion, one value a row: what the model does not have repeats with them.
     pub motion: &'a [Vec<f64>],
@@ -157,7 +170,7 @@ pub struct Course<'a> {
 ///
 /// // The mean of an alternating residual is as sure as white noise, or surer.
 /// let residuals: Vec<f64> = (0..200).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
-/// let course = Course { pieces: &[200], motion: &[] };
+/// let course = Course { points: 0, pieces: &[200], motion: &[] };
 /// let found = robust_covariance(&DMatrix::from_element(200, 1, 1.0), &residuals, &course).unwrap();
 /// assert!(found.parameters[0].standard_error < 1.0 / 200f64.sqrt());
 /// ```
@@ -166,8 +179,8 @@ pub fn robust_covariance(
     residuals: &[f64],
     course: &Course,
 ) -> Option<RobustCovariance> {
-    let pieces = course.pieces;
     let (rows, columns) = jacobian.shape();
+    let points = course.points.min(rows);
     if columns == 0 || rows != residuals.len() || rows < 4 * columns {
         return None;
     }
@@ -186,8 +199,14 @@ pub fn robust_covariance(
     let waves = cosines(rows, MOST.min(most_waves(rows as f64)));
     let fit = Fit { scaled: &scaled, inverse: &inverse, weights: &weights, waves: &waves };
     let mut parameters = Vec::with_capacity(columns);
+    let apart = cosines_over(rows, 0..points, points.saturating_sub(1).min(MOST_OF_POINTS));
+    let in_time = rows - points;
+    let count = MOST.min(most_waves(in_time as f64)).min(in_time);
+    let following = Fit { waves: &cosines_over(rows, points..rows, count), ..fit };
     for j in 0..columns {
-        parameters.push(fit.error(j, residuals, pieces));
+        let of_points = Fit { waves: &apart, ..fit }.of_points(j, residuals, points);
+        let of_time = following.error(j, residuals, points, course.pieces);
+        parameters.push(together(of_points, of_time));
     }
     for quantity in course.motion {
         let order = order_of(quantity, rows);
@@ -227,6 +246,15 @@ fn most_waves(samples: f64) -> usize {
     (0.4 * samples.powf(2.0 / 3.0)).round().clamp(LEAST as f64, MOST as f64) as usize
 }
 
+/// Waves over some of the rows, zero at the others.
+fn cosines_over(rows: usize, some: Range<usize>, count: usize) -> DMatrix<f64> {
+    let mut waves = DMatrix::zeros(rows, count);
+    if count > 0 {
+        waves.rows_mut(some.start, some.len()).copy_from(&cosines(some.len(), count));
+    }
+    waves
+}
+
 /// The first waves over the rows, one a column, each of mean square one and mean zero.
 fn cosines(rows: usize, count: usize) -> DMatrix<f64> {
     let step = std::f64::consts::PI / rows as f64;
@@ -243,6 +271,7 @@ fn order_of(quantity: &[f64], rows: usize) -> Vec<usize> {
     order
 }
 
+#[derive(Clone, Copy)]
 struct Fit<'a> {
     scaled: &'a DMatrix<f64>,
     inverse: &'a DMatrix<f64>,
@@ -320,12 +349,30 @@ impl Fit<'_> {
         }
     }
 
-    fn error(&self, j: usize, residuals: &[f64], pieces: &[usize]) -> RobustError {
-        let weight = self.weights.column(j);
-        let score: Vec<f64> = weight.iter().zip(residuals).map(|(w, r)| w * r).collect();
+    /// What the measurements of their own add to the variance.
+    fn of_points(&self, j: usize, residuals: &[f64], points: usize) -> Option<Part> {
+        let power = self.weights.view((0, j), (points, 1)).norm_squared();
+        let count = self.waves.ncols();
+        if count == 0 || power <= NOTHING * self.weights.column(j).norm_squared() {
+            return None;
+        }
+        let waves = Waves { power, ..self.waves(j, residuals, count) };
+        let OfWaves { variance, degrees, lacks } = waves.first(count);
+        Some(Part { variance, degrees, lacks, power, doubt: None })
+    }
+
+    /// What the rows that follow one another add to it.
+    fn error(&self, j: usize, residuals: &[f64], from: usize, pieces: &[usize]) -> Option<Part> {
+        let weight = self.weights.view((from, j), (residuals.len() - from, 1));
+        let power = weight.norm_squared();
+        if weight.is_empty() || power <= NOTHING * self.weights.column(j).norm_squared() {
+            return None;
+        }
+        let score: Vec<f64> =
+            weight.iter().zip(residuals.iter().skip(from)).map(|(w, r)| w * r).collect();
         let stretches = score.len() as f64 * effective_share_of(&score, pieces);
         let count = most_waves(stretches).min(self.waves.ncols());
-        let waves = self.waves(j, residuals, count);
+        let waves = Waves { power, ..self.waves(j, residuals, count) };
         let OfWaves { mut variance, mut degrees, lacks } = waves.first(count);
         let mut doubt = None;
         let (slow, rest) = waves.coefficients.split_at(SLOW.min(count));
@@ -338,11 +385,37 @@ impl Fit<'_> {
         if stretches < STRETCHES {
             doubt = Some(ErrorDoubt::FewStretches { found: stretches });
         }
-        if (degrees < DEGREES || lacks > LACKING) && doubt.is_none() {
-            doubt = Some(ErrorDoubt::OneEvent { degrees });
-        }
-        RobustError { standard_error: variance.sqrt(), degrees_of_freedom: degrees, doubt }
+        Some(Part { variance, degrees, lacks, power, doubt })
     }
+}
+
+/// What some of the rows add to the variance of a parameter.
+struct Part {
+    variance: f64,
+    degrees: f64,
+    /// Factor by which the fit made its waves too small.
+    lacks: f64,
+    /// How much of a white residual comes through these rows.
+    power: f64,
+    doubt: Option<ErrorDoubt>,
+}
+
+/// The error from both parts. A doubt of the recording counts where most of the error is its own.
+fn together(of_points: Option<Part>, of_time: Option<Part>) -> RobustError {
+    let parts: Vec<Part> = of_points.into_iter().chain(of_time).collect();
+    let sum = |of: fn(&Part) -> f64| parts.iter().map(of).sum::<f64>();
+    let variance = sum(|part| part.variance);
+    let degrees = match &parts[..] {
+        [only] => only.degrees,
+        _ => variance * variance / sum(|part| part.variance.powi(2) / part.degrees),
+    };
+    let lacks = sum(|part| part.power) / sum(|part| part.power / part.lacks);
+    let most = |part: &&Part| 2.0 * part.variance >= variance;
+    let mut doubt = parts.iter().filter(most).find_map(|part| part.doubt);
+    if (degrees < DEGREES || lacks > LACKING || degrees.is_nan()) && doubt.is_none() {
+        doubt = Some(ErrorDoubt::OneEvent { degrees });
+    }
+    RobustError { standard_error: variance.sqrt(), degrees_of_freedom: degrees, doubt }
 }
 
 /// The ratio of the mean squares of two waves and of `others` that chance exceeds in 0.5 % of all

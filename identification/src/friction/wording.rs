@@ -3,7 +3,7 @@
 use friction_ident::information::Standing;
 use friction_ident::position_load::LoadShape;
 use friction_ident::staged::PositionLoadChoice;
-use friction_ident::{Estimate, FrictionData, Stage, Verdict};
+use friction_ident::{Doubt, Estimate, FrictionData, Stage, Verdict};
 use friction_model::ModelName;
 
 use super::{Criterion, FrictionIdentification, KINDS, ModelResult, Settings};
@@ -80,6 +80,9 @@ pub(super) fn interval(estimate: &Estimate) -> String {
 pub(super) fn verdict(estimate: &Estimate) -> String {
     match &estimate.verdict {
         Verdict::Identified => "identified".to_owned(),
+        Verdict::NotIdentifiable { doubt: doubt @ Doubt::NotToBeTrusted { .. }, remedy } => {
+            format!("{doubt}. Measure {remedy}.")
+        }
         Verdict::NotIdentifiable { doubt, remedy } => {
             format!("not identifiable from this data: {doubt}. Measure {remedy}.")
         }
