@@ -10,7 +10,7 @@ import json
 import sys
 
 import mujoco
-from mjlab.actuator.builtin_actuator import BuiltinPositionActuatorCfg
+from mjlab.actuator.builtin_actuator import BuiltinMotorActuatorCfg
 from mjlab.entity import Entity, EntityArticulationInfoCfg, EntityCfg
 
 
@@ -30,8 +30,8 @@ def compiled(asked):
     friction = exported[f"{asked['joint'].upper()}_FRICTION"]
     if isinstance(friction, dict):
         # Beside the actuator that drives the joint, which gives nothing here.
-        friction = BuiltinPositionActuatorCfg(
-            target_names_expr=(asked["joint"],), stiffness=0.0, damping=0.0, effort_limit=1.0, **friction
+        friction = BuiltinMotorActuatorCfg(
+            target_names_expr=(asked["joint"],), effort_limit=1.0, **friction
         )
     config = EntityCfg(spec_fn=lambda: body(asked), articulation=EntityArticulationInfoCfg(actuators=(friction,)))
     model = Entity(config).compile()
