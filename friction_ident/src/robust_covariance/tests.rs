@@ -150,7 +150,7 @@ fn a_few_held_speeds_among_many_samples_confirm_one_another() {
         let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
         let v = |k: usize| {
             if k < points {
-                0.05 * (k + 1) as f64 * if k % 2 == 0 { 1.0 } else { -1.0 }
+                0.05 * (k + 1) as f64 * if k.is_multiple_of(2) { 1.0 } else { -1.0 }
             } else {
                 2.0 + (0.01 * k as f64).cos()
             }
