@@ -39,9 +39,12 @@ impl AxisTerm {
         matches!(self, Self::Spring | Self::GravitySin | Self::GravityCos)
     }
 
+    /// Those that may have either sign: they do not change with the velocity.
+    pub const SIGNED: [Self; 4] = [Self::Offset, Self::Spring, Self::GravitySin, Self::GravityCos];
+
     /// Whether it may have either sign.
     pub fn is_signed(self) -> bool {
-        self == Self::Offset || self.is_load()
+        Self::SIGNED.contains(&self)
     }
 
     /// Name in files: `inertia`, `viscous_positive`, ...

@@ -76,6 +76,7 @@ pub mod micro_damping;
 pub mod model_choice;
 pub mod motion_band;
 pub mod near_rest;
+pub mod one_speed;
 pub mod outliers;
 pub mod output_error;
 mod parameter_id;

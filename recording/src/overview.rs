@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
+use friction_ident::one_speed::one_speed;
 use friction_ident::quantiser::step_of;
 use friction_ident::statistics::upper_median;
 use serde::Serialize;
@@ -104,6 +105,8 @@ pub struct Moved {
     pub reversals: usize,
     /// Greatest speed \[m/s or rad/s\].
     pub fastest: f64,
+    /// The speed, where the motion has only one and its turns \[m/s or rad/s\].
+    pub one_speed: Option<f64>,
 }
 
 impl Overview {
@@ -136,6 +139,7 @@ impl Overview {
             backwards: share(&|v| v < -slow),
             reversals: moving.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count(),
             fastest,
+            one_speed: one_speed(&velocity),
         })
     }
 }

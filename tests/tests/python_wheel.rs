@@ -68,16 +68,16 @@ fn the_source_distribution_holds_what_it_is_built_from() {
     }
 }
 
-/// A new environment with nothing in it, into which pip installs; what works there.
-fn tried(folder: &Path, what: &Path, profile: &str) -> String {
+/// A new environment with nothing in it, into which pip installs what it builds in `target`; what
+/// works there.
+fn tried(folder: &Path, what: &Path, profile: &str, target: &Path) -> String {
     let environment = folder.join(profile);
     let python = python::interpreter("python_tools");
     run(Command::new(python).args(["-m", "venv"]).arg(&environment));
     let python = environment.join("bin/python");
     let mut pip = Command::new(&python);
     pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]).arg(what);
-    // What other tests need is not built over.
-    pip.env("CARGO_TARGET_DIR", Path::new(env!("CARGO_TARGET_TMPDIR")).join("wheel"));
+    pip.env("CARGO_TARGET_DIR", target);
     pip.env("MATURIN_PEP517_ARGS", format!("--profile {profile}"));
     run(&mut pip);
     let mut command = Command::new(python);
@@ -91,7 +91,12 @@ fn tried(folder: &Path, what: &Path, profile: &str) -> String {
 fn wheels_work_in_an_empty_environment() {
     let folder = tempfile::tempdir().expect("a folder");
     let packed = source_distribution(&folder.path().join("made"));
-    assert!(tried(folder.path(), &packed, "dev").starts_with("works"));
+    // Files of a source distribution are all of one old time: in a folder with an earlier build Cargo
+    // would take that for their own.
+    let new = folder.path().join("target");
+    assert!(tried(folder.path(), &packed, "dev", &new).starts_with("works"));
     let checkout = tests::checkout().join("python");
-    assert!(tried(folder.path(), &checkout, "release").starts_with("works"));
+    // What other tests need is not built over.
+    let own = Path::new(env!("CARGO_TARGET_TMPDIR")).join("wheel");
+    assert!(tried(folder.path(), &checkout, "release", &own).starts_with("works"));
 }

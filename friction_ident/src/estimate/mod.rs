@@ -11,6 +11,7 @@ mod verdict;
 
 use serde::Serialize;
 
+use crate::axis_term::AxisTerm;
 use crate::bounded::Minimum;
 use crate::parameter_id::ParameterId;
 use crate::robust_covariance::ErrorDoubt;
@@ -117,10 +118,30 @@ impl Estimates {
 
     /// Takes the verdict `identified` from all of them: the fit as a whole is not to be trusted.
     pub fn distrust(&mut self) {
+        self.distrust_but(|_| false, &ErrorDoubt::WholeFit.to_string(), "what the warnings name");
+    }
+
+    /// Says of those that change with speed that the motion has one speed: what goes with the
+    /// position, or is constant, stays as it is.
+    pub fn distrust_what_changes_with_speed(&mut self) {
+        let steady = |id: ParameterId| {
+            AxisTerm::SIGNED.iter().any(|term| term.name() == id.name)
+                || id.name.starts_with("harmonic")
+        };
+        let why = ErrorDoubt::OneSpeed.to_string();
+        self.distrust_but(steady, &why, "motion at several speeds");
+    }
+
+    /// Says of those that are identified, but for some, that their numbers are not to be trusted.
+    pub(crate) fn distrust_but(
+        &mut self,
+        kept: impl Fn(ParameterId) -> bool,
+        why: &str,
+        remedy: &'static str,
+    ) {
         for estimate in &mut self.parameters {
-            if estimate.is_identified() {
-                let doubt = Doubt::NotToBeTrusted { why: ErrorDoubt::WholeFit.to_string() };
-                let remedy = "what the warnings name";
+            if estimate.is_identified() && !kept(estimate.id) {
+                let doubt = Doubt::NotToBeTrusted { why: why.to_owned() };
                 estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
             }
         }

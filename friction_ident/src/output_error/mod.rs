@@ -32,9 +32,10 @@ use friction_model::AnyModel;
 use crate::IdentError;
 use crate::axis_term::AxisTerm;
 use crate::bounded::{Ending, Minimum, Patience, Residuals, Step, minimise};
-use crate::estimate::{Doubt, Estimates, Verdict, robust_errors};
+use crate::estimate::{Estimates, robust_errors};
 use crate::free_parameters::FreeParameters;
 use crate::near_rest::{LeftNearRest, left_near_rest};
+use crate::parameter_id::ParameterId;
 use crate::place::regressor;
 use crate::position_load::{self, LoadShape, PositionLoad};
 use crate::residual_whiteness::effective_share;
@@ -259,13 +260,9 @@ const FAR_FROM_REST: [&str; 6] = ["f_c", "f_v", "offset", "spring", "gravity_sin
 
 /// Says of the parameters that act near rest that something else has taken part in them.
 fn distrust_near_rest(estimates: &mut Estimates, left: &LeftNearRest) {
-    for estimate in &mut estimates.parameters {
-        if estimate.is_identified() && !FAR_FROM_REST.contains(&estimate.id.name) {
-            let doubt = Doubt::NotToBeTrusted { why: left.to_string() };
-            let remedy = "a model that has it, or slow motion in which both show apart";
-            estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
-        }
-    }
+    let far = |id: ParameterId| FAR_FROM_REST.contains(&id.name);
+    let remedy = "a model that has it, or slow motion in which both show apart";
+    estimates.distrust_but(far, &left.to_string(), remedy);
 }
 
 /// Root mean square of predicted minus measured force over all points and samples.

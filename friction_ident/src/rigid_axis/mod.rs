@@ -175,6 +175,13 @@ impl AxisFit {
         }
     }
 
+    /// Says of the terms that change with speed that the motion has one speed.
+    pub fn distrust_what_changes_with_speed(&mut self) {
+        for term in self.terms.iter_mut().filter(|estimate| !estimate.term.is_signed()) {
+            term.doubt = term.doubt.or(Some(ErrorDoubt::OneSpeed));
+        }
+    }
+
     /// Whether there can be such an axis.
     ///
     /// # Errors

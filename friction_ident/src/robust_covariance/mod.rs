@@ -100,6 +100,11 @@ pub enum ErrorDoubt {
         /// Mean square of the slowest waves over that of the others.
         ratio: f64,
     },
+    /// The motion has one speed, and the parameter changes with it.
+    #[error(
+        "the motion has one speed, and what changes with speed hangs on the turns alone, where all acts at once"
+    )]
+    OneSpeed,
     /// What it belongs to is not to be trusted as a whole.
     #[error("the fit as a whole is not to be trusted, as the warnings say")]
     WholeFit,

@@ -10,6 +10,7 @@ pub mod document;
 mod errors;
 mod held;
 mod longest;
+mod one_speed;
 pub mod page;
 pub mod parameters;
 pub mod structure;
@@ -220,6 +221,13 @@ pub fn identify(
         notes.extend(doubts(&model.fit));
         if condemned {
             model.fit.distrust();
+        }
+    }
+    if let Some(speed) = one_speed::one_speed(&estimation.velocity) {
+        warnings.push(one_speed::said(speed, &symmetric.fit));
+        for model in [Some(&mut symmetric), asymmetric.as_mut()].into_iter().flatten() {
+            model.warned = true;
+            model.fit.distrust_what_changes_with_speed();
         }
     }
     let found = Identification {

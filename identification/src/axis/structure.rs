@@ -8,6 +8,7 @@ use friction_ident::axis_structure::{
     AxisStructure, AxisUnits, Choice, CrossValidation, StructureFit, UnknownStructure, blocks_for,
     choose, cross_validate_beside, fit_structure, growth,
 };
+use friction_ident::one_speed::one_speed;
 use friction_ident::{Conditioned, IdentError, ParameterId, Prediction, adequacy};
 
 use recording::AxisKind;
@@ -201,6 +202,9 @@ pub fn structured(
     doubts.extend(outdone);
     if doubts.iter().any(FitDoubt::condemns) {
         fit.estimates.distrust();
+    } else if one_speed(&estimation.velocity).is_some() {
+        // Said once, of the recording.
+        fit.estimates.distrust_what_changes_with_speed();
     }
     let name = fit.structure;
     let warnings = doubts.iter().map(|doubt| format!("The structure {name} {doubt}.")).collect();

@@ -269,6 +269,35 @@ fn one_direction_is_told_in_a_note() {
     assert_near(parameter(&document, "symmetric", "coulomb"), COULOMB, 5e-3);
 }
 
+/// A triangle of position with rounded corners: a constant friction and one that grows with speed
+/// cannot be told apart, but gravity can.
+#[test]
+fn a_motion_of_one_speed_says_so_once_and_keeps_what_goes_with_the_position() {
+    let desk = Desk::new();
+    let mut x = 0.0;
+    let rows = (0..20_000).map(|i| f64::from(i) * 0.002).map(|t| {
+        let turn = (25.0 * (0.8 * t).cos()).tanh();
+        let (v, a) = (0.7 * turn, -0.7 * 20.0 * (0.8 * t).sin() * (1.0 - turn * turn));
+        x += 0.002 * v;
+        (t, x, INERTIA * a + VISCOUS * v + COULOMB * v.signum() + 0.5 * x.sin())
+    });
+    desk.file("triangle.csv", &table("t_s,position_rad,torque_Nm", rows));
+    let printed = desk.ok(&["triangle.csv", "--structure", "symmetric+gravity", "--out", "out"]);
+    assert_eq!(printed.matches("The motion has one speed, 0.7").count(), 1, "{printed}");
+    // What friction is at that speed, 0.3 + 0.05 * 0.7 N m.
+    assert!(printed.contains("0.335 by the symmetric model"), "{printed}");
+    let document = desk.json("out");
+    let found = document["structure"]["parameters"]["parameters"].as_array().unwrap();
+    let verdict = |name: &str| {
+        let one = found.iter().find(|one| one["name"] == name);
+        one.unwrap_or_else(|| panic!("no {name}: {found:?}"))["verdict"].clone()
+    };
+    assert_eq!(verdict("gravity_sin"), "identified");
+    for name in ["f_c", "f_v", "inertia"] {
+        assert_ne!(verdict(name), "identified", "{name}");
+    }
+}
+
 #[test]
 fn bad_files_are_refused() {
     let desk = Desk::new();
