@@ -1,10 +1,11 @@
 //! Whether the chosen model explains the recordings, or lacks something that acts in them.
 
 use friction_ident::adequacy::{Quantity, doubts_of};
+use friction_ident::one_speed::one_speed;
 use friction_ident::staged::residuals_of_kind;
 use friction_ident::{FrictionData, Stretch, StretchKind};
 
-use super::ModelResult;
+use super::{ModelResult, wording};
 
 /// What is wrong with a model as a whole, in sentences; from the motion that slides.
 pub(super) fn doubts(chosen: &ModelResult, data: &FrictionData) -> Vec<String> {
@@ -17,7 +18,14 @@ pub(super) fn doubts(chosen: &ModelResult, data: &FrictionData) -> Vec<String> {
     }
     let stretches = || data.lag.iter().chain(&data.mixed);
     let measured: Vec<f64> = stretches().flat_map(|stretch| &stretch.friction).copied().collect();
-    let velocity = stretches().flat_map(|stretch| &stretch.velocity).copied().collect();
+    let velocity: Vec<f64> = stretches().flat_map(|stretch| &stretch.velocity).copied().collect();
+    let one_speed = one_speed(&velocity).filter(|_| data.points.is_empty()).map(|speed| {
+        format!(
+            "The sliding has one speed, {} a second, and its turns: how friction changes with speed hangs on the turns alone. \
+             Add steady points, or motion at other speeds.",
+            wording::significant(speed)
+        )
+    });
     let position: Option<Vec<&Vec<f64>>> =
         stretches().map(|stretch: &Stretch| stretch.position.as_ref()).collect();
     let position = position.map(|all| all.into_iter().flatten().copied().collect());
@@ -37,5 +45,6 @@ pub(super) fn doubts(chosen: &ModelResult, data: &FrictionData) -> Vec<String> {
         .into_iter()
         .map(|doubt| format!("{name} {doubt}."))
         .chain(near_rest)
+        .chain(one_speed)
         .collect()
 }

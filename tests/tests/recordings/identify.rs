@@ -296,6 +296,10 @@ fn a_motion_of_one_speed_says_so_once_and_keeps_what_goes_with_the_position() {
     for name in ["f_c", "f_v", "inertia"] {
         assert_ne!(verdict(name), "identified", "{name}");
     }
+    let model =
+        ["--model", "coulomb_viscous", "--torque-source", "driving", "--inertia", "0.02:0.0001"];
+    let printed = desk.ok(&[&["triangle.csv", "--out", "models"][..], &model].concat());
+    assert!(printed.contains("The sliding has one speed, 0.7"), "{printed}");
 }
 
 #[test]
