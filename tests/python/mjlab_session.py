@@ -12,6 +12,7 @@ import sys
 import mujoco
 from mjlab.actuator.builtin_actuator import BuiltinMotorActuatorCfg
 from mjlab.entity import Entity, EntityArticulationInfoCfg, EntityCfg
+from simulators_session import moved
 
 
 def body(asked):
@@ -41,25 +42,11 @@ def compiled(asked):
     return model
 
 
-def run(asked):
-    model = compiled(asked)
-    data = mujoco.MjData(model)
-    position, velocity = [], []
-    for k, torque in enumerate(asked["torque"]):
-        if k % asked["every"] == 0:
-            position.append(data.qpos[0])
-            velocity.append(data.qvel[0])
-        data.qfrc_applied[0] = torque
-        mujoco.mj_step(model, data)
-    version = importlib.metadata.version("mjlab")
-    return {"version": version, "inputs": model.nu, "position": position, "velocity": velocity}
-
-
 def main():
     asked = json.load(sys.stdin)
     # What it says while it starts is no part of the answer.
     with contextlib.redirect_stdout(sys.stderr):
-        said = run(asked)
+        said = moved(compiled(asked), asked, importlib.metadata.version("mjlab"))
     json.dump(said, sys.stdout)
 
 

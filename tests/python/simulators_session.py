@@ -38,10 +38,8 @@ def model(asked, folder):
     return mujoco.MjModel.from_xml_path(str(folder / "host.xml"))
 
 
-def main():
-    asked = json.load(sys.stdin)
-    with tempfile.TemporaryDirectory() as folder:
-        compiled = model(asked, Path(folder))
+def moved(compiled, asked, version):
+    """The answer: the motion of a compiled model along the torque."""
     data = mujoco.MjData(compiled)
     position, velocity = [], []
     for k, torque in enumerate(asked["torque"]):
@@ -50,8 +48,15 @@ def main():
             velocity.append(data.qvel[0])
         data.qfrc_applied[0] = torque
         mujoco.mj_step(compiled, data)
-    said = {"version": mujoco.__version__, "inputs": compiled.nu, "position": position, "velocity": velocity}
-    json.dump(said, sys.stdout)
+    return {"version": version, "inputs": compiled.nu, "position": position, "velocity": velocity}
 
 
-main()
+def main():
+    asked = json.load(sys.stdin)
+    with tempfile.TemporaryDirectory() as folder:
+        compiled = model(asked, Path(folder))
+    json.dump(moved(compiled, asked, mujoco.__version__), sys.stdout)
+
+
+if __name__ == "__main__":
+    main()

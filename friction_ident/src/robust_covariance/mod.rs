@@ -412,6 +412,8 @@ fn together(of_points: Option<Part>, of_time: Option<Part>) -> RobustError {
     let variance = sum(|part| part.variance);
     let degrees = match &parts[..] {
         [only] => only.degrees,
+        // Of a part that says nothing the variance has no end.
+        _ if !variance.is_finite() => 0.0,
         _ => variance * variance / sum(|part| part.variance.powi(2) / part.degrees),
     };
     let lacks = sum(|part| part.power) / sum(|part| part.power / part.lacks);

@@ -224,7 +224,7 @@ pub fn identify(
         }
     }
     if let Some(speed) = one_speed::one_speed(&estimation.velocity) {
-        warnings.push(one_speed::said(speed, &symmetric.fit));
+        warnings.push(one_speed::said(speed, &symmetric.fit, settings.axis));
         for model in [Some(&mut symmetric), asymmetric.as_mut()].into_iter().flatten() {
             model.warned = true;
             model.fit.distrust_what_changes_with_speed();

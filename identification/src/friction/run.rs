@@ -74,7 +74,7 @@ pub fn identify(
     let (models, chosen) = ranked(models, &data, held_out.as_ref(), criterion);
     let mut warnings = Vec::new();
     match chosen.and_then(|place| models.get(place)) {
-        Some(chosen) => warnings.extend(trust::doubts(chosen, &data)),
+        Some(chosen) => warnings.extend(trust::doubts(chosen, &data, settings.axis)),
         None => warnings.push(wording::NONE_CHOSEN.to_owned()),
     }
     if held_out.is_none() {

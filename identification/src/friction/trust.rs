@@ -5,10 +5,12 @@ use friction_ident::one_speed::one_speed;
 use friction_ident::staged::residuals_of_kind;
 use friction_ident::{FrictionData, Stretch, StretchKind};
 
+use recording::AxisKind;
+
 use super::{ModelResult, wording};
 
 /// What is wrong with a model as a whole, in sentences; from the motion that slides.
-pub(super) fn doubts(chosen: &ModelResult, data: &FrictionData) -> Vec<String> {
+pub(super) fn doubts(chosen: &ModelResult, data: &FrictionData, axis: AxisKind) -> Vec<String> {
     let kinds = [StretchKind::Lag, StretchKind::Mixed];
     let by = chosen.found.predictor();
     let residual: Vec<f64> =
@@ -21,9 +23,9 @@ pub(super) fn doubts(chosen: &ModelResult, data: &FrictionData) -> Vec<String> {
     let velocity: Vec<f64> = stretches().flat_map(|stretch| &stretch.velocity).copied().collect();
     let one_speed = one_speed(&velocity).filter(|_| data.points.is_empty()).map(|speed| {
         format!(
-            "The sliding has one speed, {} a second, and its turns: how friction changes with speed hangs on the turns alone. \
+            "The sliding has one speed, {} {}, and its turns: how friction changes with speed hangs on the turns alone. \
              Add steady points, or motion at other speeds.",
-            wording::significant(speed)
+            wording::significant(speed), axis.velocity_unit()
         )
     });
     let position: Option<Vec<&Vec<f64>>> =

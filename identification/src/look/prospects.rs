@@ -2,7 +2,6 @@
 
 use recording::column::Channel;
 use recording::overview::{Moved, Overview};
-use report::numbers::significant;
 use serde::Serialize;
 
 /// A share of rest or of one direction below this is none.
@@ -81,11 +80,10 @@ fn of_motion(motion: &Moved) -> Vec<String> {
                 .to_owned(),
         );
     }
-    if let Some(speed) = motion.one_speed {
-        missing.push(format!(
-            "the motion has one speed, {} a second, and its turns: how friction changes with speed, and the inertia, hardly show",
-            significant(speed, 3)
-        ));
+    if motion.one_speed.is_some() {
+        missing.push(
+            "the motion has one speed and its turns: how friction changes with speed, and the inertia, hardly show".to_owned(),
+        );
     }
     if motion.reversals == 0 {
         missing.push("no reversal: stiffness and pre-sliding do not show".to_owned());

@@ -285,7 +285,7 @@ fn a_motion_of_one_speed_says_so_once_and_keeps_what_goes_with_the_position() {
     let printed = desk.ok(&["triangle.csv", "--structure", "symmetric+gravity", "--out", "out"]);
     assert_eq!(printed.matches("The motion has one speed, 0.7").count(), 1, "{printed}");
     // What friction is at that speed, 0.3 + 0.05 * 0.7 N m.
-    assert!(printed.contains("0.335 by the symmetric model"), "{printed}");
+    assert!(printed.contains("0.335 N m by the symmetric model"), "{printed}");
     let document = desk.json("out");
     let found = document["structure"]["parameters"]["parameters"].as_array().unwrap();
     let verdict = |name: &str| {
