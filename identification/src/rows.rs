@@ -1,6 +1,6 @@
 //! Estimates as a person reads them, a row each.
 
-use friction_ident::{Estimate, Verdict};
+use friction_ident::{Doubt, Estimate, Verdict};
 use report::numbers::value_and_error as with_error;
 
 /// Name, value, unit, 95 % interval and verdict of each estimate.
@@ -22,6 +22,10 @@ pub fn rows(estimates: &[Estimate]) -> Vec<[String; 5]> {
             };
             let verdict = match &estimate.verdict {
                 Verdict::Identified => "identified".to_owned(),
+                Verdict::NotIdentifiable {
+                    doubt: doubt @ Doubt::NotToBeTrusted { .. },
+                    remedy,
+                } => format!("{doubt}; needs {remedy}"),
                 Verdict::NotIdentifiable { doubt, remedy } => {
                     format!("not identifiable: {doubt}; needs {remedy}")
                 }

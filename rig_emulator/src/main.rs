@@ -14,6 +14,7 @@ mod terminal;
 
 use std::{
     io::Write,
+    process::ExitCode,
     sync::{
         Arc,
         atomic::{AtomicBool, Ordering},
@@ -27,7 +28,7 @@ use emulator::Emulator;
 use options::Options;
 use rig_driver::emulated::{self, Announcement};
 
-fn main() -> anyhow::Result<()> {
+fn main() -> anyhow::Result<ExitCode> {
     let options = Options::parse();
     let stop = Arc::new(AtomicBool::new(false));
     let told = Arc::clone(&stop);
@@ -50,14 +51,22 @@ fn main() -> anyhow::Result<()> {
     say(&format!("ready {}", emulator.path().display()));
     emulator.run(&orders, &stop)?;
     let summary = serde_json::to_string_pretty(&emulator.summary()).context("the summary")?;
-    match &options.summary {
-        Some(file) => std::fs::write(file, summary + "\n")
-            .with_context(|| format!("cannot write {}", file.display())),
-        None => {
+    let Some(file) = &options.summary else {
+        say(&summary);
+        return Ok(ExitCode::SUCCESS);
+    };
+    Ok(match std::fs::write(file, format!("{summary}\n")) {
+        Ok(()) => ExitCode::SUCCESS,
+        // The folder may be gone by now; what is in the summary is not.
+        Err(error) => {
+            eprintln!(
+                "error: {} cannot be written: {error}; the summary goes to standard output",
+                file.display()
+            );
             say(&summary);
-            Ok(())
+            ExitCode::FAILURE
         }
-    }
+    })
 }
 
 /// A line on standard output. Nobody listening is no reason to stop the motor's simulation.

@@ -177,6 +177,16 @@ pub fn shared_data() -> PathBuf {
     machine::recordings().expect("a test of recordings says that it needs them")
 }
 
+/// Tries anew, up to ten times, what a machine that is busy elsewhere starved; where it starved all
+/// of them, the rest of the test is left out.
+pub fn unstarved<T>(once: impl FnMut() -> Option<T>) -> Option<T> {
+    let found = std::iter::repeat_with(once).take(10).find_map(|tried| tried);
+    if found.is_none() {
+        leave_out("this machine is busy: the line was starved ten times");
+    }
+    found
+}
+
 /// Says on standard error, past libtest's capture, that the running test left a part out, and why:
 /// the machine was too busy, or one command of many reads what is not here. `cargo xtask test`
 /// counts the parts at its end.

@@ -13,6 +13,7 @@ mod book;
 mod distribution;
 mod lanes;
 mod python_env;
+mod room;
 mod simulators;
 mod soak;
 mod strangers;

@@ -12,6 +12,7 @@ use machine::Need;
 use crate::distribution::Distribution;
 use crate::lanes;
 use crate::python_env;
+use crate::room;
 use crate::tally::Tally;
 
 /// Random cases a property test runs through: in the short tier, and in the full one.
@@ -54,6 +55,8 @@ impl Test {
         // what the machine has: they are built for what it will have, and those that need what
         // could not be had are built again.
         fs::create_dir_all(&target)?;
+        let built = target.join("debug/deps").is_dir();
+        room::said(&target, built).iter().for_each(|line| println!("{line}"));
         let mut expected = machine::look(&target);
         expected.extend([
             Need::Rclpy,
@@ -111,7 +114,11 @@ impl Test {
         }
         let mut tally = Tally::default();
         let all = ["test", "--workspace", "--locked", "--no-fail-fast"];
-        lanes::run(root, &environment, &all, &mut tally)?;
+        let all_passed = lanes::run(root, &environment, &all, &mut tally);
+        if all_passed.is_err() {
+            room::said(&target, true).iter().for_each(|line| println!("{line}"));
+        }
+        all_passed?;
         if self.full {
             let seeds = [
                 "run",

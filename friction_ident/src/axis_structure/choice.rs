@@ -50,8 +50,11 @@ pub struct Choice {
 /// whose friction would drive the axis at first is chosen only where there is no other. Both stay in
 /// the ranking, ahead of the best where they predict better.
 ///
+/// Where all were tried on another recording, its blocks count as those that were kept back do.
+///
 /// None for an empty list, or for structures with different numbers of blocks.
 pub fn choose(scores: &[CrossValidation]) -> Option<Choice> {
+    let scores: Vec<CrossValidation> = scores.iter().map(CrossValidation::pooled).collect();
     let least = |first_speeds: FirstSpeeds| {
         let of_kind = scores.iter().filter(|score| score.first_speeds == first_speeds);
         of_kind.map(|score| score.relative_error).reduce(f64::min)
@@ -104,7 +107,7 @@ pub fn choose(scores: &[CrossValidation]) -> Option<Choice> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::axis_structure::{AxisStructure, Shape};
+    use crate::axis_structure::{AxisStructure, Elsewhere, Shape};
 
     fn score(structure: AxisStructure, blocks: &[f64]) -> CrossValidation {
         let sum: f64 = blocks.iter().sum();
@@ -116,6 +119,8 @@ mod tests {
             relative_error: 100.0 * sum.sqrt(),
             standard_error: 100.0 * sum_error(blocks) / (2.0 * sum.sqrt()),
             first_speeds: FirstSpeeds::Plausible,
+            rows: 4,
+            elsewhere: None,
         }
     }
 
@@ -193,6 +198,34 @@ mod tests {
         let blocks = best.blocks.iter().map(|block| block + 2e-6).collect::<Vec<_>>();
         let choice = choose(&[worst, score(middle, &blocks), best]).unwrap();
         assert_ne!(choice.chosen, 0, "{choice:?}");
+    }
+
+    /// In the parts kept back the rich one is better by a little, on another recording far worse.
+    #[test]
+    fn another_recording_counts_as_much_as_the_parts_kept_back() {
+        let rich = AxisStructure { presliding: true, damping: true, ..AxisStructure::SYMMETRIC };
+        let there = |blocks: &[f64]| {
+            Some(Elsewhere {
+                blocks: blocks.to_vec(),
+                force_power: 1.0,
+                relative_error: 0.0,
+                rows: 4,
+            })
+        };
+        let mut scores = [
+            score(AxisStructure::SYMMETRIC, &[0.022, 0.021, 0.024, 0.023]),
+            score(rich, &[0.016, 0.015, 0.017, 0.016]),
+        ];
+        assert_eq!(choose(&scores).unwrap().chosen, 1);
+        scores[0].elsewhere = there(&[0.005, 0.006, 0.005, 0.006]);
+        assert_eq!(choose(&scores), None, "what was tried on one recording and what on two");
+        scores[1].elsewhere = there(&[0.021, 0.022, 0.021, 0.023]);
+        let choice = choose(&scores).unwrap();
+        assert_eq!((choice.best, choice.chosen), (0, 0), "{choice:?}");
+        // As an error over all eight blocks of equal length, of a force of power 1.
+        let sums = [0.112f64, 0.151];
+        let excess = 100.0 * (sums[1] / 2.0).sqrt() - 100.0 * (sums[0] / 2.0).sqrt();
+        assert!((choice.ranking[1].excess - excess).abs() < 1e-9, "{choice:?} {excess}");
     }
 
     /// Its excess is uncertain, that of a simpler structure is smaller and sure.

@@ -10,6 +10,7 @@ use nalgebra::DVector;
 use serde::Serialize;
 
 use super::AxisStructure;
+use super::elsewhere::Elsewhere;
 use super::left_out::Whole;
 use super::naming::{AxisUnits, unknowns};
 use super::rows::rows_of;
@@ -71,6 +72,10 @@ pub struct CrossValidation {
     pub standard_error: f64,
     /// What friction does over the first speeds, by the fit.
     pub first_speeds: FirstSpeeds,
+    /// Rows of the recording.
+    pub rows: usize,
+    /// The same of another recording that took part in the comparison.
+    pub elsewhere: Option<Elsewhere>,
 }
 
 /// What friction does over the first speeds, the likeliest first.
@@ -154,6 +159,8 @@ pub fn cross_validate_beside(
         relative_error,
         standard_error,
         first_speeds,
+        rows,
+        elsewhere: None,
     })
 }
 

@@ -9,7 +9,7 @@ use super::profile;
 use super::regressors::Regressors;
 use super::search::{Best, Search};
 use super::shape::{PositionScale, Shape, ShapeTerm};
-use super::{AxisStructure, doubts, stability};
+use super::{AxisStructure, CrossValidation, doubts, stability};
 use crate::IdentError;
 use crate::adequacy::FitDoubt;
 use crate::conditioning::Conditioned;
@@ -174,6 +174,34 @@ pub fn fit_structure(
     let scale = PositionScale::of(recording);
     let mut search = Search::new(recording, structure, scale)?;
     let best = search.whole()?;
+    fitted(search, best, scale, units)
+}
+
+/// Fits the structure that was cross-validated on `recording`: the search begins where that of the
+/// cross-validation ended, so that what was found to predict is what is fitted, and not another
+/// minimum.
+///
+/// # Errors
+/// Those of [`fit_structure`].
+pub fn fit_validated(
+    recording: &Conditioned,
+    score: &CrossValidation,
+    units: &AxisUnits,
+) -> Result<StructureFit, IdentError> {
+    let scale = PositionScale::of(recording);
+    let mut search = Search::new(recording, score.structure, scale)?;
+    let best = search.from(score.shape, &[])?;
+    fitted(search, best, scale, units)
+}
+
+/// The fit at the least sum of squares, judged.
+fn fitted(
+    mut search: Search,
+    best: Best,
+    scale: PositionScale,
+    units: &AxisUnits,
+) -> Result<StructureFit, IdentError> {
+    let structure = search.structure;
     let Best { solution, .. } = &best;
     let terms = ShapeTerm::of(&structure);
     let names = unknowns(&structure, units);

@@ -91,6 +91,8 @@ mod tests {
             relative_error,
             standard_error,
             first_speeds: FirstSpeeds::Plausible,
+            rows: 4,
+            elsewhere: None,
         }
     }
 

@@ -29,6 +29,7 @@ mod choice;
 pub mod closed_loop;
 mod cross_validation;
 mod doubts;
+mod elsewhere;
 mod fit;
 mod friction_curve;
 pub mod growth;
@@ -50,7 +51,8 @@ pub use choice::{Choice, Ranked, choose};
 pub use cross_validation::{
     CrossValidation, FirstSpeeds, blocks_for, cross_validate, cross_validate_beside,
 };
-pub use fit::{StructureFit, fit_structure};
+pub use elsewhere::Elsewhere;
+pub use fit::{StructureFit, fit_structure, fit_validated};
 pub use naming::AxisUnits;
 pub(crate) use rows::{read as read_between, rows_of};
 pub(crate) use shape::LONGEST_DELAY;

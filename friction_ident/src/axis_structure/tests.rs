@@ -89,6 +89,28 @@ fn the_true_parameters_lie_in_the_intervals() {
     assert!(fit.effective_share > 0.5, "white noise is worth its samples: {}", fit.effective_share);
 }
 
+/// What is tried beside the cross-validation is what the chosen structure says in the end; of the
+/// recording itself it is the error of the fit.
+#[test]
+fn another_recording_is_predicted_as_by_the_whole_fit() {
+    let (recording, other) = (stribeck_axis(), axis(coulomb, 2e-3, 0.5));
+    for name in ["symmetric", "asymmetric+stribeck+delay", "symmetric+presliding"] {
+        let score = cross_validate(&recording, structure(name), 8).unwrap();
+        let fit = fit_structure(&recording, structure(name), &AxisUnits::LINEAR).unwrap();
+        let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-3, "{name}: {a} {b}");
+        let there = score.tried_on(&recording, &other).unwrap();
+        near(there.relative_error, fit.predict(&other).unwrap().relative_error);
+        assert_eq!(there.blocks.len(), 8);
+        let here = score.tried_on(&recording, &recording).unwrap();
+        near(here.relative_error, fit.relative_error);
+        near(here.force_power, score.force_power);
+    }
+    let along = cross_validate(&recording, structure("symmetric+position"), 8).unwrap();
+    let blind = Conditioned { position: None, ..other };
+    let refused = along.tried_on(&recording, &blind);
+    assert!(matches!(refused, Err(crate::IdentError::NoPosition { .. })), "{refused:?}");
+}
+
 #[test]
 fn what_friction_does_over_the_first_speeds_is_told() {
     let told = |f_s: f64, v_s: f64| {

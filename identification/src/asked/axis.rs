@@ -129,6 +129,8 @@ impl Found {
             return Err(Interrupted(stopped.to_owned()).into());
         }
         if let Some(structured) = &found {
+            let once = self.found.drift.take_if(|_| structured.drifts);
+            self.found.warnings.retain(|warning| Some(warning) != once.as_ref());
             self.found.warnings.splice(0..0, structured.warnings.iter().cloned());
         }
         self.structured = found;

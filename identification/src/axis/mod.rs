@@ -93,6 +93,8 @@ pub struct Identification {
     pub too_fast: Option<TooFast>,
     /// Why a model is not to be trusted as a whole: said before any table.
     pub warnings: Vec<String>,
+    /// The one of them that says that friction changed while it was recorded.
+    pub drift: Option<String>,
     /// What the reader must know to read the numbers right.
     pub notes: Vec<String>,
 }
@@ -189,6 +191,7 @@ pub fn identify(
         warnings.push(format!("The symmetric model cannot be: {error}."));
     }
     let impossible = symmetric.possible().is_err();
+    let mut drift = None;
     let mut symmetric = ModelResult { warned: impossible, ..result(symmetric)? };
     let wanted = AxisModel { asymmetric: true, inertia: settings.inertia, offset: false, load };
     let mut asymmetric = match fit_axis(&estimation, wanted) {
@@ -214,10 +217,17 @@ pub fn identify(
         } else {
             "--structure auto offers more"
         };
-        let before = warnings.len();
         let condemned = too_fast.is_some() || whole.iter().any(FitDoubt::condemns);
-        warnings.extend(whole.iter().map(|doubt| format!("The {name} model {doubt}. {more}.")));
-        model.warned |= warnings.len() > before;
+        model.warned |= !whole.is_empty();
+        for doubt in whole {
+            let said = format!("The {name} model {doubt}. {more}.");
+            // It is of the recording and not of the model: once is enough.
+            if matches!(doubt, FitDoubt::Drifts { .. }) {
+                drift.get_or_insert(said);
+            } else {
+                warnings.push(said);
+            }
+        }
         notes.extend(doubts(&model.fit));
         if condemned {
             model.fit.distrust();
@@ -230,6 +240,7 @@ pub fn identify(
             model.fit.distrust_what_changes_with_speed();
         }
     }
+    warnings.extend(drift.clone());
     let found = Identification {
         settings: *settings,
         load: loads,
@@ -237,6 +248,7 @@ pub fn identify(
         asymmetric,
         too_fast,
         warnings,
+        drift,
         notes,
     };
     match found.refusal(f64::INFINITY) {

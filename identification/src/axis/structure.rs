@@ -5,8 +5,8 @@ use std::thread;
 
 use friction_ident::adequacy::FitDoubt;
 use friction_ident::axis_structure::{
-    AxisStructure, AxisUnits, Choice, CrossValidation, StructureFit, UnknownStructure, blocks_for,
-    choose, cross_validate_beside, fit_structure, growth,
+    AxisStructure, AxisUnits, Choice, CrossValidation, Elsewhere, StructureFit, UnknownStructure,
+    blocks_for, choose, cross_validate_beside, fit_structure, fit_validated, growth,
 };
 use friction_ident::one_speed::one_speed;
 use friction_ident::{Conditioned, IdentError, ParameterId, Prediction, adequacy};
@@ -81,10 +81,12 @@ pub struct Structured {
     pub fit: StructureFit,
     /// On the recording it was fitted to.
     pub estimation: Prediction,
-    /// On the other recording, which nothing was chosen or fitted by.
+    /// On the other recording, which nothing was fitted to.
     pub validation: Option<Prediction>,
     /// Why the chosen one is not to be trusted as a whole: said before any table.
     pub warnings: Vec<String>,
+    /// Whether one of them says that friction changed while it was recorded.
+    pub drifts: bool,
 }
 
 impl Structured {
@@ -120,9 +122,9 @@ pub fn units(axis: AxisKind) -> &'static AxisUnits {
     }
 }
 
-/// Compares the structures on all cores, chooses one, fits it, and tries it on `validation`. None
-/// where `cancel` ended it before the first result; a comparison that was cut short chooses among
-/// what there is.
+/// Compares the structures on all cores, chooses one, fits it, and tries it on `validation`, which
+/// takes part in the choice. None where `cancel` ended it before the first result; a comparison that
+/// was cut short chooses among what there is.
 ///
 /// # Errors
 /// The [`IdentError`] of the simplest structure, or of one that was named. Others that the search
@@ -138,7 +140,9 @@ pub fn structured(
     let workers = thread::available_parallelism().map_or(1, usize::from);
     let blocks = blocks_for(estimation);
     let possible = |structure: &AxisStructure| {
-        (estimation.position.is_some() || !structure.needs_position())
+        let places = [Some(estimation), validation].into_iter().flatten();
+        (places.map(|recording| &recording.position).all(Option::is_some)
+            || !structure.needs_position())
             && (axis == AxisKind::Rotary || !structure.gravity)
     };
     let mut scores: Vec<CrossValidation> = Vec::new();
@@ -172,6 +176,9 @@ pub fn structured(
             progress.line(&format!("stopped: {} structures were compared", scores.len()));
             break;
         }
+    }
+    if let Some(other) = validation.filter(|_| scores.len() > 1) {
+        try_on(estimation, other, &mut scores, workers);
     }
     let Some((choice, mut fit)) = chosen(estimation, &mut scores, &mut refused, units(axis))?
     else {
@@ -208,8 +215,30 @@ pub fn structured(
     }
     let name = fit.structure;
     let warnings = doubts.iter().map(|doubt| format!("The structure {name} {doubt}.")).collect();
+    let drifts = doubts.iter().any(|doubt| matches!(doubt, FitDoubt::Drifts { .. }));
     let (estimation, validation) = (here, there);
-    Ok(Some(Structured { scores, refused, choice, fit, estimation, validation, warnings }))
+    Ok(Some(Structured { scores, refused, choice, fit, estimation, validation, warnings, drifts }))
+}
+
+/// Tries the structures on another recording, or none of them where one cannot be.
+fn try_on(
+    estimation: &Conditioned,
+    other: &Conditioned,
+    scores: &mut [CrossValidation],
+    workers: usize,
+) {
+    let mut tried = Vec::with_capacity(scores.len());
+    let work = |score: &CrossValidation| score.tried_on(estimation, other);
+    let keep = |_: &CrossValidation, found: Elsewhere| {
+        tried.push(found);
+        Ok::<_, IdentError>(())
+    };
+    // The work is short: whoever asks for an end has a result by then.
+    if run_in_order(scores, workers, &AtomicBool::new(false), work, keep).is_ok() {
+        for (score, found) in scores.iter_mut().zip(tried) {
+            score.elsewhere = Some(found);
+        }
+    }
 }
 
 /// The structure that is chosen, with its fit. One with a wave that both halves of the recording do
@@ -225,7 +254,7 @@ fn chosen(
         let Some(choice) = choose(scores) else { return Ok(None) };
         let Some(chosen) = scores.get(choice.chosen) else { return Ok(None) };
         let structure = chosen.structure;
-        let fit = match fit_structure(estimation, structure, units) {
+        let fit = match fit_validated(estimation, chosen, units) {
             Err(error @ IdentError::NegativeInertia { .. }) if scores.len() > 1 => {
                 scores.retain(|score| score.structure != structure);
                 refused.push((structure, error));

@@ -21,9 +21,9 @@ pub fn blocks(found: &Structured, axis: AxisKind, warned: &[AxisStructure]) -> V
     blocks.extend(found.notes().into_iter().chain(left_out(found)).map(Block::Note));
     blocks.push(Block::Text(format!(
         "Structures are compared by cross-validation inside the estimation recording: {} contiguous blocks, each predicted by a fit to the others. Of those whose \
-         excess over the best is within one standard error of the difference, paired block by block, the one with the fewest parameters is chosen. \
-         The other recording, if there is one, took no part in that.",
-        block_count(found)
+         excess over the best is within one standard error of the difference, paired block by block, the one with the fewest parameters is chosen.{}",
+        block_count(found),
+        took_part(found)
     )));
     blocks.push(Block::Table(ranking(found, warned)));
     blocks.push(Block::Figure(bars(found)));
@@ -56,6 +56,20 @@ fn left_out(found: &Structured) -> Option<String> {
     };
     let all: Vec<String> = found.refused.iter().map(one).collect();
     (!all.is_empty()).then(|| format!("Structures that were left out: {}.", all.join("; ")))
+}
+
+/// What the other recording had to do with the choice.
+fn took_part(found: &Structured) -> &'static str {
+    if tried_elsewhere(found) {
+        " The other recording took part in the choice: its parts count as those kept back do. Nothing was fitted to it; but of structures that are alike the \
+         luckier is chosen, so that the error there promises a little too much. A third recording tells: --validate it with --structure and the name alone."
+    } else {
+        ""
+    }
+}
+
+fn tried_elsewhere(found: &Structured) -> bool {
+    found.scores.iter().any(|score| score.elsewhere.is_some())
 }
 
 fn block_count(found: &Structured) -> usize {
@@ -100,22 +114,29 @@ fn ranking(found: &Structured, warned: &[AxisStructure]) -> Table {
     let ordered = all.iter().filter(|r| is_chosen(r)).chain(all.iter().filter(|r| !is_chosen(r)));
     let rows = ordered.filter_map(|ranked| {
         let score = found.scores.get(ranked.index)?;
-        Some(vec![
+        let mut row = vec![
             score.structure.to_string(),
             score.structure.parameters().to_string(),
             format!("{:.3} ± {:.3}", score.relative_error, score.standard_error),
-            format!("{:.3} ± {:.3}", ranked.excess, ranked.excess_error),
-            match disbelieved(ranked, score) {
-                Some(why) => why.to_owned(),
-                None => remark(is_chosen(ranked), warned.contains(&score.structure)),
-            },
-        ])
+        ];
+        row.extend(score.elsewhere.iter().map(|there| format!("{:.3}", there.relative_error)));
+        row.push(format!("{:.3} ± {:.3}", ranked.excess, ranked.excess_error));
+        row.push(match disbelieved(ranked, score) {
+            Some(why) => why.to_owned(),
+            None => remark(is_chosen(ranked), warned.contains(&score.structure)),
+        });
+        Some(row)
     });
+    let elsewhere = tried_elsewhere(found);
+    let columns = ["structure", "parameters", "cross-validated error [%]"].into_iter();
+    let columns = columns.chain(elsewhere.then_some("other recording [%]"));
     Table {
         title: "Structures, the chosen one first".to_owned(),
-        caption: "Then by the error. Relative error of the prediction of unseen blocks with its standard error, and the excess over the best with the standard error of the paired difference. What is passed over may predict better here: a rise of friction over speeds that the recording only passes through is believed where it takes off a quarter of the error."
-            .to_owned(),
-        columns: ["structure", "parameters", "cross-validated error [%]", "excess [%]", "remark"].map(str::to_owned).to_vec(),
+        caption: format!(
+            "Then by the error. Relative error of the prediction of unseen blocks with its standard error, and the excess over the best{} with the standard error of the paired difference. What is passed over may predict better here: a rise of friction over speeds that the recording only passes through is believed where it takes off a quarter of the error.",
+            if elsewhere { ", the blocks of the other recording among them," } else { "" }
+        ),
+        columns: columns.chain(["excess [%]", "remark"]).map(str::to_owned).collect(),
         rows: rows.collect(),
         highlight: Some(0),
     }
@@ -205,8 +226,10 @@ fn residual(title: &str, prediction: &Prediction, axis: AxisKind) -> Figure {
 
 /// What the terminal gets.
 pub fn terminal(found: &Structured) -> String {
-    let mut text =
-        String::from("\nstructures, by cross-validation inside the estimation recording:\n");
+    let mut text = format!(
+        "\nstructures, by cross-validation inside the estimation recording{}:\n",
+        if tried_elsewhere(found) { " and by the other one" } else { "" }
+    );
     let width =
         found.scores.iter().map(|score| score.structure.to_string().len()).max().unwrap_or(0);
     for ranked in &found.choice.ranking {
@@ -215,11 +238,15 @@ pub fn terminal(found: &Structured) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{mark} {:width$}  {:>2} parameters  {:6.3} ± {:.3} %  excess {:.3} ± {:.3}{}",
+            "{mark} {:width$}  {:>2} parameters  {:6.3} ± {:.3} %{}  excess {:.3} ± {:.3}{}",
             score.structure.to_string(),
             score.structure.parameters(),
             score.relative_error,
             score.standard_error,
+            score.elsewhere.as_ref().map_or_else(String::new, |there| format!(
+                "  elsewhere {:6.3} %",
+                there.relative_error
+            )),
             ranked.excess,
             ranked.excess_error,
             disbelieved(ranked, score).map_or_else(String::new, |why| format!("  {why}")),
@@ -283,6 +310,8 @@ mod tests {
                 relative_error: 1.0,
                 standard_error: 0.1,
                 first_speeds,
+                rows: 4,
+                elsewhere: None,
             };
             let ranked = Ranked { index: 0, excess, excess_error: 0.1, within: true };
             disbelieved(&ranked, &score)

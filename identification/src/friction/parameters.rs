@@ -1,7 +1,7 @@
 //! `parameters.yaml`: every identified model as a ROS 2 parameter file, as `run`, `live` and the
 //! observer read it.
 
-use friction_ident::{Estimate, Verdict};
+use friction_ident::{Doubt, Estimate, Verdict};
 use friction_model::ModelName;
 use friction_observer::parameters::model_parameters;
 use parameters::ParameterValue;
@@ -68,6 +68,9 @@ fn said(estimate: &Estimate) -> String {
             } else {
                 format!("identified, +- {error}")
             }
+        }
+        Verdict::NotIdentifiable { doubt: doubt @ Doubt::NotToBeTrusted { .. }, .. } => {
+            doubt.to_string()
         }
         Verdict::NotIdentifiable { .. } => "not identifiable from these recordings".to_owned(),
         Verdict::Given { source } => format!("not estimated: {source}"),

@@ -302,6 +302,69 @@ fn a_motion_of_one_speed_says_so_once_and_keeps_what_goes_with_the_position() {
     assert!(printed.contains("The sliding has one speed, 0.7"), "{printed}");
 }
 
+/// Friction that falls while the motion grows faster: each of three fits finds it, and it is said
+/// once.
+#[test]
+fn friction_that_changes_is_told_once() {
+    let desk = Desk::new();
+    let mut x = 0.0;
+    let rows = (0..20_000).map(|i| f64::from(i) * 0.002).map(|t| {
+        let (sin, cos) = ((0.8 + 0.02 * t) * t).sin_cos();
+        let rate = 0.8 + 0.04 * t;
+        let (v, a) = (2.0 * cos, -2.0 * rate * sin);
+        x += 0.002 * v;
+        let warm = 1.0 - 0.5 * t / 40.0;
+        (t, x, INERTIA * a + warm * (VISCOUS * v + COULOMB * v.signum()))
+    });
+    desk.file("warming.csv", &table("t_s,position_rad,torque_Nm", rows));
+    for more in [&["--structure", "symmetric,symmetric+stribeck"][..], &[]] {
+        let printed = desk.ok(&[&["warming.csv", "--out", "out", "--force"][..], more].concat());
+        let told = printed.matches("from the beginning to the end").count();
+        assert_eq!(told, 1, "{more:?}: {printed}");
+    }
+}
+
+/// In the recording to fit, the axis has play of its own kind around half of its reversals; on the
+/// other it has none. The simplest structure predicts the other best, and is chosen.
+#[test]
+fn what_holds_on_the_other_recording_too_is_chosen() {
+    let desk = Desk::new();
+    let made = |bristle: &dyn Fn(f64) -> bool| {
+        let (mut x, mut z) = (0.0, 0.0f64);
+        let rows = (0..20_000).map(move |i| f64::from(i) * 0.002);
+        let rows: Vec<(f64, f64, f64)> = rows
+            .map(|t| {
+                let (sin, cos) = (1.9 * t).sin_cos();
+                let (v, a) =
+                    (2.0 * cos + 0.6 * (5.3 * t).cos(), -3.8 * sin - 3.18 * (5.3 * t).sin());
+                x += 0.002 * v;
+                let stiff = if bristle(t) { 0.3 } else { 1e-4 };
+                z += 0.002 * (v - v.abs() * z / stiff);
+                z = z.clamp(-stiff, stiff);
+                (t, x, INERTIA * a + VISCOUS * v + COULOMB * z / stiff)
+            })
+            .collect();
+        table("t_s,position_rad,torque_Nm", rows.into_iter())
+    };
+    desk.file("here.csv", &made(&|t| t > 15.0));
+    desk.file("there.csv", &made(&|_| false));
+    let structures = ["here.csv", "--structure", "symmetric,symmetric+presliding", "--force"];
+    desk.ok(&[&structures[..], &["--out", "alone"]].concat());
+    assert_eq!(desk.json("alone")["structure"]["chosen"], "symmetric+presliding");
+    let both = ["--validate", "there.csv", "--out", "both"];
+    let printed = desk.ok(&[&structures[..], &both].concat());
+    let found = desk.json("both");
+    assert_eq!(found["structure"]["chosen"], "symmetric", "{printed}");
+    let there = &found["structure"]["scores"][0]["elsewhere"]["relative_error"];
+    assert_near(
+        there.as_f64().expect("an error there"),
+        found["structure"]["cross_test_relative_error_percent"].as_f64().expect("an error"),
+        1e-3,
+    );
+    let page = std::fs::read_to_string(desk.path("both/report.html")).expect("a report");
+    assert!(page.contains("took part in the choice") && page.contains("other recording [%]"));
+}
+
 #[test]
 fn bad_files_are_refused() {
     let desk = Desk::new();
