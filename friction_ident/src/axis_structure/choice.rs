@@ -7,6 +7,9 @@ use crate::statistics::student_95_of;
 
 /// Share of the best error by which another may be larger and still count as alike.
 const ALIKE: f64 = 0.05;
+/// The same share up to which fewer parameters are preferred: what is alike beyond it still has a
+/// say in the intervals.
+const PREFERRED: f64 = 0.025;
 /// Share of the least error of the other structures that one whose friction rises over the first
 /// speeds must stay below: what a real rise takes off is plain.
 const RISEN: f64 = 0.75;
@@ -40,15 +43,14 @@ pub struct Choice {
 /// structures whose excess over the best is within one standard error, the one with the fewest
 /// parameters; of equals the better one. The standard error is that of the paired difference, and
 /// at most that of the best structure's own error: an excess that is uncertain because it is large
-/// gives no leave. A structure that predicts worse than one with no more parameters is never
-/// chosen.
+/// gives no leave, and nor is one that is larger than a fortieth of the best error. A structure that
+/// predicts worse than one with no more parameters is never chosen.
 ///
 /// Nor is one whose friction rises over speeds that the recording only passes through, unless it
 /// leaves at most three quarters of the error of all others: what looks like a rise is most often
 /// how friction builds up around the reversals of this recording, and fails where the axis slows
-/// down without turning round. One
-/// whose friction would drive the axis at first is chosen only where there is no other. Both stay in
-/// the ranking, ahead of the best where they predict better.
+/// down without turning round. One whose friction would drive the axis at first is chosen only where
+/// there is no other. Both stay in the ranking, ahead of the best where they predict better.
 ///
 /// Where all were tried on another recording, its blocks count as those that were kept back do.
 ///
@@ -99,6 +101,7 @@ pub fn choose(scores: &[CrossValidation]) -> Option<Choice> {
     let chosen = possible
         .clone()
         .filter(|ranked| ranked.within && !beaten(ranked))
+        .filter(|ranked| ranked.excess <= PREFERRED * winner.relative_error)
         .min_by(|a, b| parameters(a).cmp(&parameters(b)).then(a.excess.total_cmp(&b.excess)))?;
     let chosen = chosen.index;
     Some(Choice { ranking, best, chosen })

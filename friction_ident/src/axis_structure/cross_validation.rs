@@ -10,7 +10,6 @@ use nalgebra::DVector;
 use serde::Serialize;
 
 use super::AxisStructure;
-use super::elsewhere::Elsewhere;
 use super::left_out::Whole;
 use super::naming::{AxisUnits, unknowns};
 use super::rows::rows_of;
@@ -76,6 +75,20 @@ pub struct CrossValidation {
     pub rows: usize,
     /// The same of another recording that took part in the comparison.
     pub elsewhere: Option<Elsewhere>,
+}
+
+/// How well a structure predicts a recording that it was not fitted to.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Elsewhere {
+    /// Sum of squared prediction errors of each contiguous block, over the rows of the recording
+    /// \[N^2 or (N m)^2\].
+    pub blocks: Vec<f64>,
+    /// Mean square of the force \[N^2 or (N m)^2\].
+    pub force_power: f64,
+    /// `100 |prediction error| / |force|` \[%\].
+    pub relative_error: f64,
+    /// Rows of the recording.
+    pub rows: usize,
 }
 
 /// What friction does over the first speeds, the likeliest first.

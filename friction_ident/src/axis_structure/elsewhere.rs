@@ -4,29 +4,12 @@
 //! parts kept back it may not say of another. Where there is another, its parts count in the choice
 //! as those kept back do.
 
-use serde::Serialize;
-
-use super::CrossValidation;
-use super::cross_validation::{blocks_for, sum_error};
+use super::cross_validation::{CrossValidation, Elsewhere, blocks_for, sum_error};
 use super::regressors::Regressors;
 use super::search::Search;
 use super::shape::PositionScale;
 use crate::IdentError;
 use crate::conditioning::Conditioned;
-
-/// How well a structure predicts a recording that it was not fitted to.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Elsewhere {
-    /// Sum of squared prediction errors of each contiguous block, over the rows of the recording
-    /// \[N^2 or (N m)^2\].
-    pub blocks: Vec<f64>,
-    /// Mean square of the force \[N^2 or (N m)^2\].
-    pub force_power: f64,
-    /// `100 |prediction error| / |force|` \[%\].
-    pub relative_error: f64,
-    /// Rows of the recording.
-    pub rows: usize,
-}
 
 impl CrossValidation {
     /// How well the structure, fitted to the whole of `recording`, where it was cross-validated,

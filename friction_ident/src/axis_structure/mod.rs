@@ -49,9 +49,8 @@ mod waves;
 pub use crate::structure::{AxisStructure, UnknownStructure};
 pub use choice::{Choice, Ranked, choose};
 pub use cross_validation::{
-    CrossValidation, FirstSpeeds, blocks_for, cross_validate, cross_validate_beside,
+    CrossValidation, Elsewhere, FirstSpeeds, blocks_for, cross_validate, cross_validate_beside,
 };
-pub use elsewhere::Elsewhere;
 pub use fit::{StructureFit, fit_structure, fit_validated};
 pub use naming::AxisUnits;
 pub(crate) use rows::{read as read_between, rows_of};
