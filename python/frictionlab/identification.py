@@ -274,7 +274,8 @@ def identify(
 
     `data` is a file (CSV, .mat, .npz, .parquet) or a bag, a DataFrame, arrays by name (as `t_s`,
     `position_rad`, `torque_Nm`; steady points as `velocity_rad_s`, `torque_Nm`), or several of these.
-    `validate` is data that no fit sees. Every other option of the command is a keyword:
+    `validate` is data that no fit sees; it takes part in the choice of a model and of a structure.
+    Every other option of the command is a keyword:
     ``inertia="0.0026:0.00003"``, ``torque_source="driving"``, ``structure="auto"``, ``axis="rotary"``.
     Rows without a number (NaN) are left out and counted, as those of a file are.
 

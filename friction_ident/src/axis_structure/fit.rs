@@ -23,6 +23,10 @@ use crate::robust_covariance::Course;
 /// Standard errors below zero from which an inertia or friction is clearly negative.
 const CLEARLY: f64 = 2.0;
 
+/// Share of a period by which it may differ between parts and still be that of one wave: without
+/// noise its interval is narrower than the rounding of the recording.
+const SAME_WAVE: f64 = 1e-3;
+
 /// A structure fitted to a recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StructureFit {
@@ -86,7 +90,9 @@ impl StructureFit {
     /// same wave.
     pub fn other_waves(&self) -> Option<(f64, f64)> {
         match self.estimates.get("period")?.verdict {
-            Verdict::NotIdentifiable { doubt: Doubt::Unsteady { low, high }, .. } => {
+            Verdict::NotIdentifiable { doubt: Doubt::Unsteady { low, high }, .. }
+                if high > (1.0 + SAME_WAVE) * low =>
+            {
                 Some((low, high))
             }
             _ => None,

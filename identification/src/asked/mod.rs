@@ -70,7 +70,8 @@ pub struct IdentifyArgs {
     #[arg(skip)]
     pub arrays: Vec<Arrays>,
 
-    /// Try the fitted models on these recordings too, which no fit sees (the cross-test).
+    /// Try the fitted models on these recordings too, which no fit sees (the cross-test); they take
+    /// part in the choice of a model and of a structure
     #[arg(long, value_name = "FILE", num_args = 1..)]
     pub validate: Vec<PathBuf>,
 

@@ -69,8 +69,8 @@ fn said(estimate: &Estimate) -> String {
                 format!("identified, +- {error}")
             }
         }
-        Verdict::NotIdentifiable { doubt: doubt @ Doubt::NotToBeTrusted { .. }, .. } => {
-            doubt.to_string()
+        Verdict::NotIdentifiable { doubt: Doubt::NotToBeTrusted { .. }, .. } => {
+            "its interval is not to be trusted; the report says why".to_owned()
         }
         Verdict::NotIdentifiable { .. } => "not identifiable from these recordings".to_owned(),
         Verdict::Given { source } => format!("not estimated: {source}"),
