@@ -336,6 +336,13 @@ fn a_structure_that_a_simpler_one_outdoes_elsewhere_is_not_chosen_or_says_so() {
     let (chosen, warned) = said("short.csv");
     assert!(chosen.contains("harmonic"), "{chosen}");
     assert!(warned.contains("take --structure symmetric"), "{warned}");
+    // More friction there: the ripple promised an error of next to nothing, and no structure keeps that.
+    write("other.csv", &quick_joint(&tones, 1.3, 20.0));
+    let (chosen, warned) = said("other.csv");
+    assert!(
+        !chosen.contains("harmonic") && warned.contains("was to be expected"),
+        "{chosen} {warned}"
+    );
     let (chosen, warned) = said("same.csv");
     assert!(
         chosen.contains("harmonic") && !warned.contains("take --structure"),

@@ -189,10 +189,9 @@ pub fn structured(
     fit.heed(estimation, &rivals);
     let here = fit.predict(estimation)?;
     let there = validation.map(|other| fit.predict(other)).transpose()?;
-    let promised = scores.get(choice.chosen);
-    let fails = promised.zip(there.as_ref()).and_then(|(score, there)| {
-        adequacy::elsewhere(score.relative_error, score.force_power, there)
-    });
+    let fails = promised(&scores)
+        .zip(there.as_ref())
+        .and_then(|((error, power), there)| adequacy::elsewhere(error, power, there));
     let outdone = there.as_ref().zip(validation).and_then(|(there, other)| {
         let simpler = scores.iter().map(|score| score.structure).filter(|simpler| {
             simpler.is_linear() && simpler.parameters() < fit.structure.parameters()
@@ -218,6 +217,16 @@ pub fn structured(
     let drifts = doubts.iter().any(|doubt| matches!(doubt, FitDoubt::Drifts { .. }));
     let (estimation, validation) = (here, there);
     Ok(Some(Structured { scores, refused, choice, fit, estimation, validation, warnings, drifts }))
+}
+
+/// The relative error \[%\] that the recording by itself promises, and the mean square of its force.
+/// A structure that was chosen because the other recording bears it better promises less, and would
+/// hide that what holds here does not hold there.
+fn promised(scores: &[CrossValidation]) -> Option<(f64, f64)> {
+    let here = |score: &CrossValidation| CrossValidation { elsewhere: None, ..score.clone() };
+    let here: Vec<CrossValidation> = scores.iter().map(here).collect();
+    let chosen = here.get(choose(&here)?.chosen)?;
+    Some((chosen.relative_error, chosen.force_power))
 }
 
 /// Tries the structures on another recording, or none of them where one cannot be.
