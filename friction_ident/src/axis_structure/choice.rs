@@ -13,6 +13,9 @@ const PREFERRED: f64 = 0.025;
 /// Share of the least error of the other structures that one whose friction rises over the first
 /// speeds must stay below: what a real rise takes off is plain.
 const RISEN: f64 = 0.75;
+/// The same share where another recording bears that structure out: it predicts, whatever it is that
+/// rises.
+const BORNE_OUT: f64 = 1.0 - ALIKE;
 
 /// A structure against the best one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -37,6 +40,9 @@ pub struct Choice {
     pub best: usize,
     /// Place in the given list of the structure to use.
     pub chosen: usize,
+    /// Where that has friction that rises over the first speeds, the place of the best one without:
+    /// what they say of a parameter may both be true.
+    pub without_rise: Option<usize>,
 }
 
 /// Chooses by the one-standard-error rule (Breiman, Friedman, Olshen and Stone 1984): of the
@@ -49,21 +55,34 @@ pub struct Choice {
 /// Nor is one whose friction rises over speeds that the recording only passes through, unless it
 /// leaves at most three quarters of the error of all others: what looks like a rise is most often
 /// how friction builds up around the reversals of this recording, and fails where the axis slows
-/// down without turning round. One whose friction would drive the axis at first is chosen only where
+/// down without turning round. Where it predicts another recording clearly better too, it is the one
+/// to predict with, and [`without_rise`](Choice::without_rise) names the best of the others. One
+/// whose friction would drive the axis at first is chosen only where
 /// there is no other. Both stay in the ranking, ahead of the best where they predict better.
 ///
 /// Where all were tried on another recording, its blocks count as those that were kept back do.
 ///
 /// None for an empty list, or for structures with different numbers of blocks.
 pub fn choose(scores: &[CrossValidation]) -> Option<Choice> {
+    let there: Vec<Option<f64>> =
+        scores.iter().map(|score| Some(score.elsewhere.as_ref()?.relative_error)).collect();
     let scores: Vec<CrossValidation> = scores.iter().map(CrossValidation::pooled).collect();
-    let least = |first_speeds: FirstSpeeds| {
-        let of_kind = scores.iter().filter(|score| score.first_speeds == first_speeds);
-        of_kind.map(|score| score.relative_error).reduce(f64::min)
+    let best_of = |first_speeds: FirstSpeeds| {
+        let of_kind = (0..scores.len()).filter(|&index| scores[index].first_speeds == first_speeds);
+        of_kind.min_by(|&a, &b| scores[a].relative_error.total_cmp(&scores[b].relative_error))
     };
-    let believed = match (least(FirstSpeeds::Plausible), least(FirstSpeeds::Rises)) {
-        (Some(falls), Some(rises)) if rises <= RISEN * falls => FirstSpeeds::Rises,
-        (Some(_), _) => FirstSpeeds::Plausible,
+    let (falls, rises) = (best_of(FirstSpeeds::Plausible), best_of(FirstSpeeds::Rises));
+    let believed = match (falls, rises) {
+        (Some(falls), Some(rises)) => {
+            let share = scores[rises].relative_error / scores[falls].relative_error;
+            let borne_out = there[rises].zip(there[falls]);
+            let borne_out = borne_out.is_some_and(|(rises, falls)| rises <= BORNE_OUT * falls);
+            match share <= RISEN || borne_out && share <= BORNE_OUT {
+                true => FirstSpeeds::Rises,
+                false => FirstSpeeds::Plausible,
+            }
+        }
+        (Some(_), None) => FirstSpeeds::Plausible,
         (None, Some(_)) => FirstSpeeds::Rises,
         (None, None) => FirstSpeeds::Drives,
     };
@@ -104,7 +123,8 @@ pub fn choose(scores: &[CrossValidation]) -> Option<Choice> {
         .filter(|ranked| ranked.excess <= PREFERRED * winner.relative_error)
         .min_by(|a, b| parameters(a).cmp(&parameters(b)).then(a.excess.total_cmp(&b.excess)))?;
     let chosen = chosen.index;
-    Some(Choice { ranking, best, chosen })
+    let without_rise = falls.filter(|_| scores[chosen].first_speeds != FirstSpeeds::Plausible);
+    Some(Choice { ranking, best, chosen, without_rise })
 }
 
 #[cfg(test)]
@@ -148,6 +168,37 @@ mod tests {
         assert_eq!(choose(&[driving.clone(), plain]).unwrap().chosen, 1);
         assert_eq!(choose(&[driving.clone(), rising(0.9)]).unwrap().chosen, 1);
         assert_eq!(choose(&[driving]).unwrap().chosen, 0, "there is no other");
+    }
+
+    /// A tenth off the error here and there: it predicts, and what the best without a rise says of
+    /// the parameters may be true all the same.
+    #[test]
+    fn friction_that_rises_is_chosen_where_another_recording_bears_it_out() {
+        let of = |first_speeds, here: f64, there: f64| {
+            let dip = AxisStructure { stribeck: true, ..AxisStructure::SYMMETRIC };
+            let plain = first_speeds == FirstSpeeds::Plausible;
+            let structure = if plain { AxisStructure::SYMMETRIC } else { dip };
+            let blocks = |share: f64| [0.010, 0.020, 0.015].map(|b| share * share * b).to_vec();
+            let relative_error = 100.0 * blocks(there).iter().sum::<f64>().sqrt();
+            let elsewhere =
+                Elsewhere { blocks: blocks(there), force_power: 1.0, relative_error, rows: 4 };
+            CrossValidation {
+                first_speeds,
+                elsewhere: Some(elsewhere),
+                ..score(structure, &blocks(here))
+            }
+        };
+        let plain = of(FirstSpeeds::Plausible, 1.0, 1.0);
+        let with = |here, there| choose(&[plain.clone(), of(FirstSpeeds::Rises, here, there)]);
+        let choice = with(0.9, 0.9).unwrap();
+        assert_eq!((choice.chosen, choice.without_rise), (1, Some(0)));
+        assert_eq!(choice.rivals().collect::<Vec<_>>(), [0], "however much worse it predicts");
+        for (here, there) in [(0.8, 0.97), (1.0, 0.92)] {
+            let choice = with(here, there).unwrap();
+            assert_eq!((choice.chosen, choice.without_rise), (0, None), "{here} {there}");
+        }
+        let drives = choose(&[plain.clone(), of(FirstSpeeds::Drives, 0.5, 0.5)]).unwrap();
+        assert_eq!(drives.chosen, 0);
     }
 
     /// Differences of 1e-4, 3e-4, 1e-4, 3e-4: their sum is 8e-4 with a standard error of sqrt(4 *

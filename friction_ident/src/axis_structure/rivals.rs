@@ -7,7 +7,7 @@
 
 use super::fit::StructureFit;
 use super::said::Said;
-use super::{Choice, CrossValidation, sliding};
+use super::{Choice, CrossValidation, Ranked, sliding};
 use crate::conditioning::Conditioned;
 use crate::estimate::{Doubt, Estimate, Interval, IntervalMethod, Verdict};
 
@@ -15,11 +15,13 @@ use crate::estimate::{Doubt, Estimate, Interval, IntervalMethod, Verdict};
 const WIDEST: f64 = 1.0;
 
 impl Choice {
-    /// Places in the given list of those that predict as well as the chosen one: all that the rule
-    /// of one standard error lets in.
+    /// Places in the given list of those that predict as well as the chosen one, all that the rule
+    /// of one standard error lets in; and of the best without a rise over the first speeds, where the
+    /// chosen one has such a rise.
     pub fn rivals(&self) -> impl Iterator<Item = usize> {
         let others = self.ranking.iter().filter(|ranked| ranked.index != self.chosen);
-        others.filter(|ranked| ranked.within).map(|ranked| ranked.index)
+        let rival = |ranked: &&Ranked| ranked.within || self.without_rise == Some(ranked.index);
+        others.filter(rival).map(|ranked| ranked.index)
     }
 }
 

@@ -110,7 +110,13 @@ impl Structured {
                 said.join(", ")
             )
         });
-        sliding.into_iter().chain(self.fit.notes()).collect()
+        let rise = self.choice.without_rise.and_then(|best| self.scores.get(best)).map(|best| {
+            format!(
+                "It predicts clearly better than the best structure whose friction does not rise over the first speeds ({}), and is chosen for that.                  Which of the two the axis has is open: the intervals reach to both.",
+                best.structure
+            )
+        });
+        sliding.into_iter().chain(self.fit.notes()).chain(rise).collect()
     }
 }
 

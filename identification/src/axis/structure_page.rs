@@ -133,8 +133,9 @@ fn ranking(found: &Structured, warned: &[AxisStructure]) -> Table {
     Table {
         title: "Structures, the chosen one first".to_owned(),
         caption: format!(
-            "Then by the error. Relative error of the prediction of unseen blocks with its standard error, and the excess over the best{} with the standard error of the paired difference. What is passed over may predict better here: a rise of friction over speeds that the recording only passes through is believed where it takes off a quarter of the error.",
-            if elsewhere { ", the blocks of the other recording among them," } else { "" }
+            "Then by the error. Relative error of the prediction of unseen blocks with its standard error, and the excess over the best{} with the standard error of the paired difference. What is passed over may predict better here: a rise of friction over speeds that the recording only passes through is believed where it takes off a quarter of the error{}.",
+            if elsewhere { ", the blocks of the other recording among them," } else { "" },
+            if elsewhere { ", or a twentieth of the error here and of that on the other recording" } else { "" }
         ),
         columns: columns.chain(["excess [%]", "remark"]).map(str::to_owned).collect(),
         rows: rows.collect(),
