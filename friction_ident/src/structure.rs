@@ -9,7 +9,7 @@ use serde::{Serialize, Serializer};
 /// fields say what it has beside them.
 ///
 /// Written as a name: `symmetric` or `asymmetric`, then the rest joined by `+`, as in
-/// `asymmetric+stribeck+delay`. `damping` brings `presliding` with it.
+/// `asymmetric+stribeck+delay`. `damping` brings `presliding` with it, `lag` that and `stribeck`.
 ///
 /// ```
 /// use friction_ident::axis_structure::AxisStructure;
@@ -32,6 +32,9 @@ pub struct AxisStructure {
     /// The bristle damps itself: friction has a part that goes with the rate of its deflection, the
     /// micro-damping of LuGre (Canudas de Wit et al. 1995). Only beside `presliding`.
     pub damping: bool,
+    /// The friction level follows the velocity as far as the bristle moves, as LuGre's does, and not
+    /// at once. Only beside `stribeck` and `presliding`; no further parameter.
+    pub lag: bool,
     /// The force acts later than it was recorded.
     pub delay: bool,
     /// The friction level and a constant force vary along the axis, as polynomials of the position.
@@ -46,10 +49,11 @@ pub struct AxisStructure {
 type Field = fn(&mut AxisStructure) -> &mut bool;
 
 /// The parts of a name, with what they switch on.
-const PARTS: [(&str, Field); 7] = [
+const PARTS: [(&str, Field); 8] = [
     ("stribeck", |s| &mut s.stribeck),
     ("presliding", |s| &mut s.presliding),
     ("damping", |s| &mut s.damping),
+    ("lag", |s| &mut s.lag),
     ("delay", |s| &mut s.delay),
     ("position", |s| &mut s.position),
     ("gravity", |s| &mut s.gravity),
@@ -64,6 +68,7 @@ impl AxisStructure {
         stribeck: false,
         presliding: false,
         damping: false,
+        lag: false,
         delay: false,
         position: false,
         gravity: false,
@@ -76,11 +81,12 @@ impl AxisStructure {
     /// goes with its damping as well as without: one whose force is mostly damping is worth nothing
     /// alone.
     pub fn neighbours(&self) -> Vec<Self> {
-        let fields: [Field; 8] = [
+        let fields: [Field; 9] = [
             |s| &mut s.asymmetric,
             |s| &mut s.stribeck,
             |s| &mut s.presliding,
             |s| &mut s.damping,
+            |s| &mut s.lag,
             |s| &mut s.delay,
             |s| &mut s.position,
             |s| &mut s.gravity,
@@ -94,6 +100,10 @@ impl AxisStructure {
                 let both = !self.damping;
                 (other.presliding, other.damping) = (both, both);
             }
+            if other.lag && !self.lag {
+                (other.stribeck, other.presliding) = (true, true);
+            }
+            other.lag &= other.stribeck && other.presliding;
             other
         };
         fields.into_iter().map(changed).collect()
@@ -130,7 +140,7 @@ impl AxisStructure {
 
     /// Whether its force is linear in all of its parameters.
     pub fn is_linear(&self) -> bool {
-        !(self.stribeck || self.presliding || self.damping || self.delay || self.harmonic)
+        !(self.stribeck || self.presliding || self.delay || self.harmonic)
     }
 
     /// Whether it needs the position, and not the velocity alone.
@@ -161,8 +171,8 @@ impl Serialize for AxisStructure {
 /// A name that is none of a structure.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{part}` in `{name}` is no part of an axis structure; expected `symmetric` or `asymmetric`, then any of stribeck, presliding, damping, delay, \
-     position, gravity, harmonic, joined by `+` as in `asymmetric+stribeck+delay`"
+    "`{part}` in `{name}` is no part of an axis structure; expected `symmetric` or `asymmetric`, then any of stribeck, presliding, damping, lag, \
+     delay, position, gravity, harmonic, joined by `+` as in `asymmetric+stribeck+delay`"
 )]
 pub struct UnknownStructure {
     /// The whole name.
@@ -188,7 +198,8 @@ impl FromStr for AxisStructure {
                 PARTS.iter().find(|(known, _)| *known == part).ok_or_else(|| unknown(part))?;
             *field(&mut structure) = true;
         }
-        structure.presliding |= structure.damping;
+        structure.presliding |= structure.damping || structure.lag;
+        structure.stribeck |= structure.lag;
         Ok(structure)
     }
 }
@@ -204,6 +215,9 @@ mod tests {
         }
         let damped = "symmetric+damping".parse::<AxisStructure>().unwrap();
         assert_eq!(damped.to_string(), "symmetric+presliding+damping");
+        let lugre = "symmetric+lag+damping".parse::<AxisStructure>().unwrap();
+        assert_eq!(lugre.to_string(), "symmetric+stribeck+presliding+damping+lag");
+        assert_eq!(lugre.parameters(), AxisStructure { lag: false, ..lugre }.parameters());
         for (name, part) in [("", "``"), ("lugre", "`lugre`"), ("asymmetric+stribec", "`stribec`")]
         {
             let message = name.parse::<AxisStructure>().unwrap_err().to_string();
@@ -214,8 +228,8 @@ mod tests {
     #[test]
     fn all_are_reached_by_one_part_after_the_other() {
         let all = AxisStructure::all();
-        // Damping only where there is a bristle.
-        assert_eq!(all.len(), 3 << 6);
+        // Damping only where there is a bristle, lag only where that has a dip to follow.
+        assert_eq!(all.len(), (2 * 3 + 2) << 5);
         for (i, a) in all.iter().enumerate() {
             assert!(!all[i + 1..].contains(a), "{a}");
         }

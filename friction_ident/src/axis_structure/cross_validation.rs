@@ -137,9 +137,11 @@ pub fn cross_validate_beside(
         return Err(IdentError::BlockCount { blocks, rows, most: most(rows) });
     }
     let guard = guard(rows);
+    let at_once = AxisStructure { lag: false, ..structure };
     let simpler = |score: &&CrossValidation| {
-        score.structure.parameters() < structure.parameters()
-            && structure.neighbours().contains(&score.structure)
+        let fewer = score.structure.parameters() < structure.parameters();
+        fewer && structure.neighbours().contains(&score.structure)
+            || structure.lag && score.structure == at_once
     };
     let simpler = known.iter().filter(simpler);
     let best = match simpler.min_by(|a, b| a.relative_error.total_cmp(&b.relative_error)) {

@@ -1,14 +1,14 @@
 //! Friction along a recording but for its levels: direction and nearness to rest, sample by sample,
 //! with their derivatives.
 
-use std::ops::Range;
-
 use super::AxisStructure;
+use super::bristle::{Bristle, Lag};
+use super::dip::dip;
 use super::shape::Shape;
 use crate::conditioning::Conditioned;
 
 /// What friction is made of at each sample of a recording.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct FrictionCurve {
     /// Direction of motion, -1 to 1: the sign of the velocity, or the deflection of a bristle over
     /// its limit.
@@ -19,10 +19,12 @@ pub(super) struct FrictionCurve {
     pub rate: Vec<f64>,
     /// Derivative of that with respect to the displacement.
     rate_slope: Vec<f64>,
-    /// One at rest and zero far from it; empty without a Stribeck curve.
-    pub near: Vec<f64>,
+    /// One at rest and zero far from it; empty without a Stribeck curve, and where it lags.
+    near: Vec<f64>,
     /// Derivative of that with respect to the Stribeck velocity.
     near_slope: Vec<f64>,
+    /// What it is instead where the bristle's limit follows the dip.
+    lag: Option<Lag>,
 }
 
 /// Levels of friction that the signs are multiplied by.
@@ -40,27 +42,56 @@ pub(super) struct Levels {
 
 impl FrictionCurve {
     pub fn of(recording: &Conditioned, structure: &AxisStructure, shape: &Shape) -> Self {
+        if structure.lag {
+            let (bristle, lag) = Bristle::lugre(recording, shape, structure.damping);
+            let Bristle { sign, sign_slope, rate, rate_slope } = bristle;
+            let lag = Some(lag);
+            return Self { sign, sign_slope, rate, rate_slope, lag, ..Self::default() };
+        }
         let Bristle { sign, sign_slope, rate, rate_slope } = if structure.presliding {
-            Bristle::along(recording, shape.displacement, structure.damping)
+            Bristle::dahl(recording, shape.displacement, structure.damping)
         } else {
             let floor = recording.velocity_floor;
             let sign = recording.velocity.iter().map(|&v| direction(v, floor)).collect();
             Bristle { sign, ..Bristle::default() }
         };
         let velocity: &[f64] = if structure.stribeck { &recording.velocity } else { &[] };
-        let (near, near_slope) = velocity
-            .iter()
-            .map(|v| {
-                let ratio = (v / shape.v_s).powi(2);
-                let near = (-ratio).exp();
-                (near, 2.0 * near * ratio / shape.v_s)
-            })
-            .unzip();
-        Self { sign, sign_slope, rate, rate_slope, near, near_slope }
+        let (near, near_slope) = velocity.iter().map(|v| dip(*v, shape.v_s)).unzip();
+        Self { sign, sign_slope, rate, rate_slope, near, near_slope, lag: None }
     }
 
-    /// Derivative of the friction of `levels` with respect to the Stribeck velocity.
-    pub fn by_velocity(&self, levels: &Levels) -> Vec<f64> {
+    /// What the kinetic level and that at rest are multiplied by; none without a Stribeck curve.
+    ///
+    /// Where it lags, the derivatives of the force with respect to both: it is of the first degree in
+    /// them.
+    pub fn levels(&self) -> Option<[Vec<f64>; 2]> {
+        if let Some(Lag { ratio, by_ratio, .. }) = &self.lag {
+            let both = self.sign.iter().zip(by_ratio);
+            let kinetic = both.map(|(sign, by_ratio)| sign - ratio * by_ratio).collect();
+            return Some([kinetic, by_ratio.clone()]);
+        }
+        let both = || self.sign.iter().zip(&self.near);
+        (!self.near.is_empty()).then(|| {
+            [
+                both().map(|(sign, near)| sign * (1.0 - near)).collect(),
+                both().map(|(sign, near)| sign * near).collect(),
+            ]
+        })
+    }
+
+    /// Derivative of the friction of `levels` with respect to the Stribeck velocity, where `place` is
+    /// the position from -1 to 1 (empty where nothing depends on it).
+    pub fn by_velocity(&self, levels: &Levels, place: &[f64]) -> Vec<f64> {
+        if let Some(lag) = &self.lag {
+            let of = |(k, (sign, slope)): (usize, (&f64, &f64))| {
+                let side = usize::from(*sign < 0.0);
+                let damped = lag.rate_by_velocity.get(k).copied().unwrap_or(0.0);
+                let x = place.get(k).copied().unwrap_or(0.0);
+                let along = levels.along[0] * x + levels.along[1] * x * x;
+                (levels.kinetic[side] + along) * slope + levels.damping * damped
+            };
+            return self.sign.iter().zip(&lag.by_velocity).enumerate().map(of).collect();
+        }
         let of = |(sign, slope): (&f64, &f64)| {
             let side = usize::from(*sign < 0.0);
             sign * slope * (levels.rest[side] - levels.kinetic[side])
@@ -74,6 +105,7 @@ impl FrictionCurve {
         let Levels { kinetic, rest, along, damping } = levels;
         let of = |(k, (sign, slope)): (usize, (&f64, &f64))| {
             let side = usize::from(*sign < 0.0);
+            // Where the dip lags, it is part of the slope.
             let near = self.near.get(k).copied().unwrap_or(0.0);
             let x = place.get(k).copied().unwrap_or(0.0);
             let level = kinetic[side] * (1.0 - near) + rest[side] * near;
@@ -87,55 +119,6 @@ impl FrictionCurve {
 /// The sign of a velocity, zero where it is none but for rounding.
 fn direction(v: f64, floor: f64) -> f64 {
     if v.abs() <= floor { 0.0 } else { v.signum() }
-}
-
-/// A bristle along a recording.
-#[derive(Default)]
-struct Bristle {
-    sign: Vec<f64>,
-    sign_slope: Vec<f64>,
-    rate: Vec<f64>,
-    rate_slope: Vec<f64>,
-}
-
-impl Bristle {
-    /// The deflection over its limit of Dahl's (1968) bristle, `z' = (v - |v| z) / displacement`,
-    /// solved exactly over a sample of constant velocity, its mean rate over the sample, and their
-    /// derivatives with respect to the displacement. The bristle of each stretch begins with its
-    /// first recorded sample, at its limit in the direction of its first motion; what is fitted
-    /// begins later, when most of that is forgotten. It keeps its deflection while the axis stands.
-    fn along(recording: &Conditioned, displacement: f64, damping: bool) -> Self {
-        let Conditioned { lived, time_step, pieces, .. } = recording;
-        let mut made = Self::default();
-        let mut at: Option<(usize, usize, [f64; 2])> = None;
-        for piece in pieces {
-            let Range { start, end } = piece.origin;
-            let (from, [mut z, mut slope]) = match at {
-                Some((stretch, done, state)) if stretch == piece.stretch => (done, state),
-                _ => (piece.begin, [piece.way, 0.0]),
-            };
-            for (k, v) in lived.iter().enumerate().take(end).skip(from) {
-                let limit = v.signum();
-                let way = v.abs() * time_step / displacement;
-                let kept = (-way).exp();
-                let before = [z, slope];
-                slope = (slope + (z - limit) * way / displacement) * kept;
-                z = limit + (z - limit) * kept;
-                if k < start {
-                    continue;
-                }
-                made.sign.push(z);
-                made.sign_slope.push(slope);
-                if damping {
-                    let moved = [z - before[0], slope - before[1]].map(|by| by / time_step);
-                    made.rate.push(displacement * moved[0]);
-                    made.rate_slope.push(moved[0] + displacement * moved[1]);
-                }
-            }
-            at = Some((piece.stretch, end, [z, slope]));
-        }
-        made
-    }
 }
 
 #[cfg(test)]
@@ -160,47 +143,65 @@ mod tests {
     #[test]
     fn derivatives_are_those_of_the_friction() {
         let recording = recording();
-        let structure: AxisStructure = "asymmetric+stribeck+damping".parse().unwrap();
-        let levels =
-            Levels { kinetic: [3.0, 4.0], rest: [5.0, 3.5], along: [0.4, -0.2], damping: 5.0 };
         let place: Vec<f64> =
             recording.position.iter().flatten().map(|position| position / 0.3).collect();
-        let at = |v_s: f64, displacement: f64| {
-            let shape = Shape { delay: 0.0, v_s, displacement, period: 1.0 };
-            FrictionCurve::of(&recording, &structure, &shape)
-        };
-        let friction = |curve: &FrictionCurve| -> Vec<f64> {
-            (0..curve.sign.len())
-                .map(|k| {
-                    let (sign, near, x) = (curve.sign[k], curve.near[k], place[k]);
-                    let side = usize::from(sign < 0.0);
-                    let level = levels.kinetic[side] * (1.0 - near) + levels.rest[side] * near;
-                    let along = levels.along[0] * x + levels.along[1] * x * x;
-                    sign * (level + along) + levels.damping * curve.rate[k]
-                })
-                .collect()
-        };
-        let (v_s, displacement) = (0.2, 0.01);
-        let curve = at(v_s, displacement);
-        for (slope, before, after, width) in [
-            (
-                curve.by_velocity(&levels),
-                at(v_s - 1e-5, displacement),
-                at(v_s + 1e-5, displacement),
-                2e-5,
-            ),
-            (
-                curve.by_displacement(&levels, &place),
-                at(v_s, displacement - 1e-6),
-                at(v_s, displacement + 1e-6),
-                2e-6,
-            ),
+        for (name, kinetic, rest) in [
+            ("asymmetric+stribeck+damping", [3.0, 4.0], [5.0, 3.5]),
+            ("symmetric+damping+lag", [3.0; 2], [6.0; 2]),
         ] {
-            let largest = slope.iter().fold(0.0f64, |most, x| most.max(x.abs()));
-            assert!(largest > 1.0, "{largest}");
-            for (k, (a, b)) in friction(&before).iter().zip(friction(&after)).enumerate() {
-                let central = (b - a) / width;
-                assert!((slope[k] - central).abs() < 1e-3 * largest, "{k}: {} {central}", slope[k]);
+            let structure: AxisStructure = name.parse().unwrap();
+            let levels = Levels { kinetic, rest, along: [0.4, -0.2], damping: 5.0 };
+            let at = |v_s: f64, displacement: f64, rest: f64| {
+                let ratio = rest / kinetic[0];
+                let shape = Shape { delay: 0.0, v_s, displacement, period: 1.0, ratio };
+                FrictionCurve::of(&recording, &structure, &shape)
+            };
+            let friction = |curve: &FrictionCurve, levels: &Levels| -> Vec<f64> {
+                let [of_kinetic, of_rest] = curve.levels().unwrap();
+                let force = |k: usize| {
+                    let (sign, x) = (curve.sign[k], place[k]);
+                    let side = usize::from(sign < 0.0);
+                    let along = levels.along[0] * x + levels.along[1] * x * x;
+                    let level =
+                        levels.kinetic[side] * of_kinetic[k] + levels.rest[side] * of_rest[k];
+                    level + sign * along + levels.damping * curve.rate[k]
+                };
+                (0..curve.sign.len()).map(force).collect()
+            };
+            let (v_s, displacement, f_s) = (0.2, 0.01, rest[0]);
+            let curve = at(v_s, displacement, f_s);
+            let alone = Levels { along: [0.0; 2], damping: 0.0, ..levels };
+            let with = |f_s: f64| Levels { rest: [f_s; 2], ..alone };
+            let mut all = vec![
+                (
+                    curve.by_velocity(&levels, &place),
+                    friction(&at(v_s - 1e-5, displacement, f_s), &levels),
+                    friction(&at(v_s + 1e-5, displacement, f_s), &levels),
+                    2e-5,
+                ),
+                (
+                    curve.by_displacement(&levels, &place),
+                    friction(&at(v_s, displacement - 1e-6, f_s), &levels),
+                    friction(&at(v_s, displacement + 1e-6, f_s), &levels),
+                    2e-6,
+                ),
+            ];
+            if structure.lag {
+                // The force is of the first degree in both levels: it is its own derivatives.
+                let of_rest = curve.levels().unwrap()[1].clone();
+                let (less, more) = (f_s - 1e-4, f_s + 1e-4);
+                let before = friction(&at(v_s, displacement, less), &with(less));
+                let after = friction(&at(v_s, displacement, more), &with(more));
+                all.push((of_rest, before, after, 2e-4));
+            }
+            for (slope, before, after, width) in all {
+                let largest = slope.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+                assert!(largest > 0.1, "{largest}");
+                for (k, (a, b)) in before.iter().zip(&after).enumerate() {
+                    let central = (b - a) / width;
+                    let near = (slope[k] - central).abs() < 1e-3 * largest;
+                    assert!(near, "{name}, {k}: {} {central}", slope[k]);
+                }
             }
         }
     }
@@ -223,7 +224,8 @@ mod tests {
             let recording = fine.clone().coarsened().unwrap();
             assert_eq!(recording.time_step > fine.time_step, thinned);
             let structure: AxisStructure = "symmetric+presliding".parse().unwrap();
-            let shape = Shape { delay: 0.0, v_s: 1.0, displacement: REACH, period: 1.0 };
+            let shape =
+                Shape { delay: 0.0, v_s: 1.0, displacement: REACH, period: 1.0, ratio: 1.0 };
             let curve = FrictionCurve::of(&recording, &structure, &shape);
             let factor = (recording.time_step / dt).round() as usize;
             let mut z = 1.0f64;

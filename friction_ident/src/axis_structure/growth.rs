@@ -6,7 +6,8 @@
 //! the cross-validation and not by the fit. Several at once, because the part that
 //! helps most alone need not belong to those that help most together. It ends where no further part
 //! is worth its while. Where the best has friction that rises over the first speeds, which is seldom
-//! true, the search goes on from the best of the others too. A force that repeats along the axis comes last: its period is dear to search,
+//! true, the search goes on from the best of the others too. Where a dip and a bristle are there, a dip
+//! that lags is tried when nothing else helps: it is no further part. A force that repeats along the axis comes last: its period is dear to search,
 //! and before the rest of the model is right it takes up what belongs elsewhere.
 
 use super::{AxisStructure, CrossValidation, FirstSpeeds};
@@ -71,7 +72,31 @@ pub fn next(
         wanted
     };
     let smooth = richer(BEAM, false);
-    if smooth.is_empty() { richer(1, true) } else { smooth }
+    if !smooth.is_empty() {
+        return smooth;
+    }
+    let lagging = lagging(scores, refused);
+    if lagging.is_empty() { richer(1, true) } else { lagging }
+}
+
+/// Of the best structures that have a dip and a bristle, of all and of those that are likely, the
+/// same with a dip that lags.
+fn lagging(scores: &[CrossValidation], refused: &[AxisStructure]) -> Vec<AxisStructure> {
+    let both =
+        || scores.iter().filter(|score| score.structure.stribeck && score.structure.presliding);
+    let better =
+        |a: &&CrossValidation, b: &&CrossValidation| a.relative_error.total_cmp(&b.relative_error);
+    let best = both().min_by(better);
+    let likely = both().filter(|score| score.first_speeds == FirstSpeeds::Plausible).min_by(better);
+    let mut wanted = Vec::new();
+    for score in best.into_iter().chain(likely) {
+        let lag = AxisStructure { lag: true, ..score.structure };
+        let known = refused.contains(&lag) || scores.iter().any(|score| score.structure == lag);
+        if !known && !wanted.contains(&lag) {
+            wanted.push(lag);
+        }
+    }
+    wanted
 }
 
 #[cfg(test)]
@@ -81,7 +106,7 @@ mod tests {
 
     fn score(structure: AxisStructure, relative_error: f64) -> CrossValidation {
         let blocks = vec![relative_error; 4];
-        let shape = Shape { delay: 0.0, v_s: 1.0, displacement: 1.0, period: 1.0 };
+        let shape = Shape { delay: 0.0, v_s: 1.0, displacement: 1.0, period: 1.0, ratio: 1.0 };
         let (force_power, standard_error) = (1.0, 0.1);
         CrossValidation {
             structure,

@@ -10,7 +10,8 @@
 //! ```
 //!
 //! `z` is the sign of the velocity, or with pre-sliding the deflection of Dahl's bristle over its
-//! limit; with damping it resists being deflected, as LuGre's does. With `asymmetric` the coefficients of the parts that push forward and backward are
+//! limit; with damping it resists being deflected, as LuGre's does. With `lag` it is LuGre's: its limit is
+//! the Stribeck curve, and the level follows the velocity as far as the bristle moves. With `asymmetric` the coefficients of the parts that push forward and backward are
 //! parameters of their own, and no offset is left to be told from them.
 //!
 //! [`fit_structure`] estimates one structure by separable least squares, [`cross_validate`] tells
@@ -25,9 +26,11 @@
 //! sensor; a gain error of the force scale from all other forces at once (only ratios to the gain
 //! are known); the half sample that a held output adds to the delay from the drive's own.
 
+mod bristle;
 mod choice;
 pub mod closed_loop;
 mod cross_validation;
+mod dip;
 mod doubts;
 mod elsewhere;
 mod fit;

@@ -19,7 +19,7 @@ use crate::zero_phase::LANES;
 /// The columns that a nonlinear parameter changes, with the values they were made for.
 #[derive(Debug, Clone, Default)]
 struct Group {
-    made_for: Option<[f64; 2]>,
+    made_for: Option<[f64; 3]>,
     columns: Vec<Vec<f64>>,
 }
 
@@ -148,10 +148,13 @@ impl<'a> Regressors<'a> {
         let levels = self.levels(linear);
         Ok(match term {
             ShapeTerm::Delay => vec![],
-            ShapeTerm::StribeckVelocity => self.friction_curve(shape)?.by_velocity(&levels),
-            ShapeTerm::Displacement => {
+            ShapeTerm::StribeckVelocity | ShapeTerm::Displacement => {
                 let place = std::mem::take(&mut self.place);
-                let slope = self.friction_curve(shape)?.by_displacement(&levels, &place);
+                let curve = self.friction_curve(shape)?;
+                let slope = match term {
+                    ShapeTerm::Displacement => curve.by_displacement(&levels, &place),
+                    _ => curve.by_velocity(&levels, &place),
+                };
                 self.place = place;
                 slope
             }
@@ -182,6 +185,13 @@ impl<'a> Regressors<'a> {
         Levels { kinetic, rest, along, damping }
     }
 
+    /// `f_s` over `f_c`, of both directions together; none where no bristle lags.
+    pub fn ratio(&self, linear: &DVector<f64>) -> Option<f64> {
+        let Levels { kinetic, rest, .. } = self.levels(linear);
+        let sum = |level: [f64; 2]| level[0] + level[1];
+        self.structure.lag.then(|| sum(rest) / sum(kinetic).max(0.0))
+    }
+
     /// The delay in samples.
     fn advance(&self, shape: &Shape) -> f64 {
         if self.structure.delay { shape.delay / self.recording.time_step } else { 0.0 }
@@ -210,7 +220,7 @@ impl<'a> Regressors<'a> {
     fn fixed_columns(&self) -> Vec<Vec<f64>> {
         let Conditioned { acceleration, velocity, .. } = self.recording;
         let mut columns = vec![acceleration.clone()];
-        columns.extend(self.sides(velocity.clone()));
+        columns.extend(self.sides(velocity.clone(), velocity));
         if !self.structure.asymmetric {
             columns.push(vec![1.0; velocity.len()]);
         }
@@ -225,17 +235,14 @@ impl<'a> Regressors<'a> {
         columns
     }
 
-    /// The positive and the negative part of a column, or the whole where the directions share a
-    /// parameter.
-    fn sides(&self, column: Vec<f64>) -> Vec<Vec<f64>> {
-        if self.structure.asymmetric {
-            vec![
-                column.iter().map(|value| value.max(0.0)).collect(),
-                column.iter().map(|value| value.min(0.0)).collect(),
-            ]
-        } else {
-            vec![column]
-        }
+    /// A column where `way` is forward and where it is backward, or the whole where the directions
+    /// share a parameter.
+    fn sides(&self, column: Vec<f64>, way: &[f64]) -> Vec<Vec<f64>> {
+        let part = |forward: bool| {
+            let rows = column.iter().zip(way);
+            rows.map(|(value, way)| if (*way > 0.0) == forward { *value } else { 0.0 }).collect()
+        };
+        if self.structure.asymmetric { vec![part(true), part(false)] } else { vec![column] }
     }
 
     fn update_friction(&mut self, shape: &Shape) -> Result<(), IdentError> {
@@ -292,15 +299,13 @@ impl<'a> Regressors<'a> {
     }
 
     fn friction_columns(&self, curve: &FrictionCurve) -> Vec<Vec<f64>> {
-        let FrictionCurve { sign, near, rate, .. } = curve;
+        let FrictionCurve { sign, rate, .. } = curve;
         let mut columns = Vec::new();
-        if self.structure.stribeck {
-            let kinetic = sign.iter().zip(near).map(|(sign, near)| sign * (1.0 - near)).collect();
-            let rest = sign.iter().zip(near).map(|(sign, near)| sign * near).collect();
-            columns.extend(self.sides(kinetic));
-            columns.extend(self.sides(rest));
+        if let Some([kinetic, rest]) = curve.levels() {
+            columns.extend(self.sides(kinetic, sign));
+            columns.extend(self.sides(rest, sign));
         } else {
-            columns.extend(self.sides(sign.clone()));
+            columns.extend(self.sides(sign.clone(), sign));
         }
         if self.structure.position {
             let place = &self.place;
@@ -314,7 +319,7 @@ impl<'a> Regressors<'a> {
     }
 
     fn update_harmonic(&mut self, shape: &Shape) -> Result<(), IdentError> {
-        let key = [shape.period, 0.0];
+        let key = [shape.period, 0.0, 0.0];
         if !self.structure.harmonic || self.harmonic.made_for == Some(key) {
             return Ok(());
         }
@@ -332,6 +337,6 @@ impl<'a> Regressors<'a> {
 }
 
 /// What the columns of friction depend on.
-fn friction_key(shape: &Shape) -> [f64; 2] {
-    [shape.v_s, shape.displacement]
+fn friction_key(shape: &Shape) -> [f64; 3] {
+    [shape.v_s, shape.displacement, shape.ratio]
 }

@@ -22,6 +22,10 @@ const EXACT: f64 = 1e-8;
 const LATE: f64 = 0.1;
 /// Share of the longest delay below which a delay lies at zero.
 const AT_ONCE: f64 = 1e-6;
+/// Change of the logarithm of `f_s` over `f_c` up to which a lag is that of the fit, and how often it
+/// is made anew.
+const SAME_RATIO: f64 = 1e-3;
+const ROUNDS: usize = 8;
 /// Periods that are looked at, and how many of them are tried.
 const PERIODS: usize = 400;
 const TRIED: usize = 3;
@@ -172,7 +176,36 @@ impl<'a> Search<'a> {
     }
 
     /// The same, done when the sum of squares does not fall by more than `enough` of itself.
+    ///
+    /// How far a bristle lags hangs on the levels, which are linear parameters. The force is of the
+    /// first degree in them: its derivatives at one ratio of the levels times the levels are the
+    /// force itself. With them for columns each fit gives the ratio for the next (Gauss and Newton).
     pub fn closer(
+        &mut self,
+        start: Shape,
+        kept: &[ShapeTerm],
+        enough: f64,
+    ) -> Result<Best, IdentError> {
+        let mut best = self.closer_at(start, kept, enough)?;
+        for _ in 0..ROUNDS {
+            let Some(ratio) = self.ratio(&best.solution.x) else { break };
+            if (ratio / best.shape.ratio).ln().abs() < SAME_RATIO {
+                break;
+            }
+            best = self.closer_at(Shape { ratio, ..best.shape }, kept, enough)?;
+        }
+        Ok(best)
+    }
+
+    /// `f_s` over `f_c` of a fit whose bristle lags.
+    fn ratio(&self, linear: &DVector<f64>) -> Option<f64> {
+        let (low, high) = (self.limits.low.ratio, self.limits.high.ratio);
+        let ratio = self.regressors.ratio(linear)?;
+        Some(if ratio.is_nan() { 1.0 } else { ratio.clamp(low, high) })
+    }
+
+    /// The same for one ratio of the levels.
+    fn closer_at(
         &mut self,
         start: Shape,
         kept: &[ShapeTerm],

@@ -9,6 +9,9 @@ use crate::conditioning::Conditioned;
 /// Longest delay that is considered, and longest lag of the recorded force, in samples.
 pub(crate) const LONGEST_DELAY: usize = 10;
 
+/// The least `f_s` over `f_c` that a bristle that lags follows, and one over the largest.
+const LEAST_RATIO: f64 = 0.2;
+
 /// Values of the nonlinear parameters; those that a structure does not have have no effect.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Shape {
@@ -21,6 +24,9 @@ pub struct Shape {
     pub displacement: f64,
     /// Length along the axis after which the harmonic force repeats \[m or rad\].
     pub period: f64,
+    /// `f_s` over `f_c` that the limit of a bristle that lags is made of: no parameter of its own, it
+    /// follows the levels as they are fitted.
+    pub ratio: f64,
 }
 
 /// One nonlinear parameter.
@@ -102,12 +108,14 @@ impl Limits {
                 v_s: 5e-3 * fastest,
                 displacement: 1e-6 * travel,
                 period: travel / 200.0,
+                ratio: LEAST_RATIO,
             },
             high: Shape {
                 delay: LONGEST_DELAY as f64 * recording.time_step,
                 v_s: 0.25 * fastest,
                 displacement: 0.1 * travel,
                 period: 2.0 * travel,
+                ratio: 1.0 / LEAST_RATIO,
             },
             time_step: recording.time_step,
         }
@@ -121,6 +129,7 @@ impl Limits {
             v_s: middle(self.low.v_s, self.high.v_s),
             displacement: middle(self.low.displacement, self.high.displacement),
             period: middle(self.low.period, self.high.period),
+            ratio: 1.0,
         }
     }
 

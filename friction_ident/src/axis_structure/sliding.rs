@@ -47,7 +47,8 @@ pub(super) fn said(
 ) -> Option<Said> {
     let pieces = excerpts(&recording.pieces, recording.velocity.len(), MOST_SAMPLES);
     let fine = Conditioned { decimate: 1, pieces, ..recording.clone() };
-    let structure = AxisStructure { stribeck: false, presliding: false, damping: false, ..of };
+    let structure =
+        AxisStructure { stribeck: false, presliding: false, damping: false, lag: false, ..of };
     let mut regressors = Regressors::new(&fine, structure, scale).ok()?;
     let speeds = sorted(fine.velocity.iter().map(|v| v.abs()));
     let fastest = quantile(&speeds, 0.95)?;
@@ -179,7 +180,7 @@ mod tests {
         assert!(left > samples / 8 && left < samples / 3, "{left} of {samples}");
         let structure = AxisStructure::SYMMETRIC;
         let scale = PositionScale::of(&recording);
-        let shape = Shape { delay: 0.0, v_s: 1.0, displacement: 1.0, period: 1.0 };
+        let shape = Shape { delay: 0.0, v_s: 1.0, displacement: 1.0, period: 1.0, ratio: 1.0 };
         let part = Conditioned { pieces: parts, ..recording.clone() };
         for recording in [recording, part] {
             let said = said(&recording, structure, &shape, scale).unwrap();

@@ -402,3 +402,57 @@ fn the_damping_of_a_bristle_is_found() {
     near("presliding", REACH, 0.05);
     near("f_c", 5.0, 0.02);
 }
+
+/// LuGre (Canudas de Wit et al. 1995), integrated finely: its level follows the velocity as far as
+/// the bristle moves. A dip that follows at once leaves twice as much over.
+#[test]
+fn the_friction_of_lugre_is_found() {
+    const F_C: f64 = 5.0;
+    const F_S: f64 = 9.0;
+    const F_V: f64 = 8.0;
+    const SIGMA0: f64 = 2500.0;
+    const SIGMA1: f64 = 60.0;
+    let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(4);
+    let (dt, inner) = (1e-3, 20);
+    let fine = dt / f64::from(inner);
+    let (mut place, mut force, mut z) = (vec![], vec![], 0.0f64);
+    for k in 0..20_000 * inner {
+        let t = f64::from(k) * fine;
+        let v = velocity(t + 0.5 * fine);
+        let level = F_C + (F_S - F_C) * (-(v / V_S).powi(2)).exp();
+        let end = level / SIGMA0 * v.signum();
+        let after = end + (z - end) * (-SIGMA0 * v.abs() * fine / level).exp();
+        let (rate, middle) = ((after - z) / fine, 0.5 * (after + z));
+        z = after;
+        if k % inner == 0 {
+            let noise = 0.02 * rng.sample::<f64, _>(StandardNormal);
+            let friction = SIGMA0 * middle + SIGMA1 * rate + F_V * v;
+            place.push(position(t + 0.5 * fine));
+            force.push(INERTIA * acceleration(t + 0.5 * fine) + friction + noise);
+        }
+    }
+    let signals = Signals { time_step: dt, position: Some(&place), velocity: None, force: &force };
+    let recording = condition(&signals, &Conditioning::for_time_step(dt)).unwrap();
+    let of = |name| fit_structure(&recording, structure(name), &AxisUnits::LINEAR).unwrap();
+    let (follows, at_once) =
+        (of("symmetric+damping+lag"), of("symmetric+stribeck+presliding+damping"));
+    assert!(
+        follows.relative_error < 0.5 * at_once.relative_error,
+        "{} {}",
+        follows.relative_error,
+        at_once.relative_error
+    );
+    let near = |name: &'static str, truth: f64, share: f64| {
+        let found = follows.estimates.get(name).unwrap().value;
+        assert!((found / truth - 1.0).abs() < share, "{name}: {found}");
+    };
+    near("inertia", INERTIA, 0.01);
+    near("f_v", F_V, 0.05);
+    near("f_c", F_C, 0.01);
+    near("f_s", F_S, 0.03);
+    near("v_s", V_S, 0.05);
+    near("presliding", F_C / SIGMA0, 0.05);
+    near("sigma1", SIGMA1, 0.1);
+    let levels = follows.estimates.value("f_s").unwrap() / follows.estimates.value("f_c").unwrap();
+    assert!((follows.shape.ratio / levels - 1.0).abs() < 2e-3, "{levels}");
+}

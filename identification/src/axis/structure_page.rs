@@ -135,7 +135,11 @@ fn ranking(found: &Structured, warned: &[AxisStructure]) -> Table {
         caption: format!(
             "Then by the error. Relative error of the prediction of unseen blocks with its standard error, and the excess over the best{} with the standard error of the paired difference. What is passed over may predict better here: a rise of friction over speeds that the recording only passes through is believed where it takes off a quarter of the error{}.",
             if elsewhere { ", the blocks of the other recording among them," } else { "" },
-            if elsewhere { ", or a twentieth of the error here and of that on the other recording" } else { "" }
+            if elsewhere {
+                ", or a twentieth of the error here and of that on the other recording"
+            } else {
+                ""
+            }
         ),
         columns: columns.chain(["excess [%]", "remark"]).map(str::to_owned).collect(),
         rows: rows.collect(),
@@ -302,7 +306,7 @@ mod tests {
     #[test]
     fn what_predicts_better_and_is_not_chosen_says_why() {
         let said = |first_speeds, excess| {
-            let shape = Shape { delay: 0.0, v_s: 1.0, displacement: 1.0, period: 1.0 };
+            let shape = Shape { delay: 0.0, v_s: 1.0, displacement: 1.0, period: 1.0, ratio: 1.0 };
             let score = CrossValidation {
                 structure: AxisStructure { stribeck: true, ..AxisStructure::SYMMETRIC },
                 shape,
