@@ -59,8 +59,8 @@ fn assert_found(folder: &Path, within: f64) {
     }
 }
 
-/// A bag of an arm whose elbow is the axis, and whose other joint stands still.
-fn arm(folder: &Path) {
+/// A bag of an arm whose elbow is the axis, and whose other joint swings by `swing`.
+fn arm(folder: &Path, swing: f64) {
     let mut bag = BagWriter::create(&folder.join("bag"), BagOptions::default()).unwrap();
     let mut position = 0.0;
     for [t, v, torque] in rows(|_| 2e-3) {
@@ -69,8 +69,8 @@ fn arm(folder: &Path) {
         let state = JointState {
             header: Header::at(stamp),
             name: vec!["shoulder".into(), "elbow".into()],
-            position: vec![0.5, position],
-            velocity: vec![0.0, v],
+            position: vec![0.5 + 0.5 * swing * t.sin(), position],
+            velocity: vec![0.5 * swing * t.cos(), v],
             effort: vec![9.0, torque],
         };
         bag.write("/joint_states", stamp, &state).unwrap();
@@ -81,7 +81,7 @@ fn arm(folder: &Path) {
 #[test]
 fn a_joint_of_a_bag_is_identified_from_the_torque_that_drives_it() {
     let folder = tempfile::tempdir().unwrap();
-    arm(folder.path());
+    arm(folder.path(), 0.0);
     let look = ok(folder.path(), &["look", "bag"]);
     assert!(look.contains("shoulder, elbow") && look.contains("name one of them"), "{look}");
     let look = ok(folder.path(), &["look", "bag", "--joint", "elbow"]);
@@ -93,6 +93,32 @@ fn a_joint_of_a_bag_is_identified_from_the_torque_that_drives_it() {
     let elbow = ["identify", "bag", "--joint", "elbow", "--effort", "driving", "--out", "found"];
     ok(folder.path(), &elbow);
     assert_found(folder.path(), 0.02);
+}
+
+/// What the others do to it is in no model of one axis: its friction is found, its inertia is that of
+/// one motion.
+#[test]
+fn a_joint_that_others_move_has_friction_and_no_inertia_of_its_own() {
+    let verdicts = |swing: f64| {
+        let folder = tempfile::tempdir().unwrap();
+        arm(folder.path(), swing);
+        let elbow = ["identify", "bag", "--joint", "elbow", "--effort", "driving"];
+        let said = ok(folder.path(), &[&elbow[..], &["--structure", "auto"]].concat());
+        let document = ok(
+            folder.path(),
+            &[&elbow[..], &["--json", "--structure", "auto", "--force"]].concat(),
+        );
+        let document: Value = serde_json::from_str(&document).unwrap();
+        let of_structure = &document["structure"]["parameters"]["parameters"];
+        let verdict = |name: &str| {
+            let own = of_structure.as_array().unwrap().iter().find(|one| one["name"] == name);
+            own.unwrap()["verdict"] == "identified"
+        };
+        let plain = &document["symmetric"]["parameters"]["inertia"]["identifiable"];
+        (said.contains("shoulder by 0.8"), *plain == true, verdict("inertia"), verdict("f_c"))
+    };
+    assert_eq!(verdicts(0.0), (false, true, true, true));
+    assert_eq!(verdicts(0.8), (true, false, false, true));
 }
 
 /// Two recordings of one axis are one recording with a gap, not recordings of friction.
@@ -125,7 +151,7 @@ fn two_recordings_of_a_driving_force_are_fitted_together() {
 #[test]
 fn options_without_effect_are_refused() {
     let folder = tempfile::tempdir().unwrap();
-    arm(folder.path());
+    arm(folder.path(), 0.0);
     let mut text = "t_s,velocity_rad_s,torque_Nm\n".to_owned();
     for [t, v, torque] in rows(|_| 2e-3) {
         writeln!(text, "{t:.4},{v:.6},{torque:.6}").unwrap();

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::beside::Beside;
 use crate::{Recording, RecordingError};
 
 /// Time steps that differ by less than this share are alike.
@@ -63,6 +64,7 @@ pub fn joined(recordings: Vec<Recording>) -> Result<Option<Recording>, Recording
         }));
         all.irregularities = all.irregularities.and(next.irregularities);
         all.axis = all.axis.or(next.axis);
+        Beside::merge(&mut all.beside, next.beside);
         paths.push(next.path.display().to_string());
     }
     all.path = PathBuf::from(paths.join(", "));
@@ -95,6 +97,7 @@ mod tests {
             axis: None,
             friction_only: false,
             sources: Sources { time: channel(), position: None, velocity: None, force: channel() },
+            beside: vec![],
         }
     }
 

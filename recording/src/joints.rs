@@ -11,6 +11,7 @@ use msgs::sensor_msgs::JointState;
 use serde::Serialize;
 
 use super::RecordingError;
+use super::beside::Beside;
 use super::rig_clock::RIG_MEASUREMENT;
 use crate::bag::BagReader;
 
@@ -67,6 +68,8 @@ pub(super) struct Joint {
     pub samples: Vec<JointSample>,
     /// What its effort is.
     pub effort: Effort,
+    /// The others that move.
+    pub beside: Vec<Beside>,
 }
 
 /// The names of the joints of a bag, in the order in which they first come.
@@ -115,7 +118,17 @@ pub(super) fn read(
             effort: field(&state.effort),
         })
     });
-    Ok(Joint { name: name.map(str::to_owned), samples: samples.collect(), effort })
+    let positions = |other: &str| {
+        let of = |(_, state): &(_, JointState)| {
+            let index = state.name.iter().position(|name| name == other)?;
+            state.position.get(index).copied()
+        };
+        messages.iter().filter_map(of).collect::<Vec<f64>>()
+    };
+    let others = names.iter().filter(|other| Some(other.as_str()) != name);
+    let beside = others.filter_map(|other| Beside::of(other, positions(other).into_iter()));
+    let beside = beside.collect();
+    Ok(Joint { name: name.map(str::to_owned), samples: samples.collect(), effort, beside })
 }
 
 /// Refuses a message that does not say which joint its values are of.

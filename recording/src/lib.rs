@@ -13,6 +13,7 @@
 //! length and SI units.
 
 pub mod bag;
+mod beside;
 pub mod column;
 pub mod column_options;
 pub mod csv_table;
@@ -43,6 +44,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+pub use beside::Beside;
 pub use column::Column;
 pub use error::RecordingError;
 pub use irregularities::Irregularities;
@@ -203,6 +205,8 @@ pub struct Recording {
     pub friction_only: bool,
     /// Where the channels came from.
     pub sources: Sources,
+    /// Other joints that move in the same recording.
+    pub beside: Vec<Beside>,
 }
 
 impl Recording {

@@ -11,6 +11,7 @@ use std::path::Path;
 use friction_model::Motor;
 use msgs::friction_msgs::RigMeasurement;
 
+use super::beside::Beside;
 use super::joints::{self, Effort, Joint, JointChoice};
 use super::rig_clock::{self, RIG_MEASUREMENT};
 use super::timing::{Steps, Timing};
@@ -33,7 +34,7 @@ pub fn read(
     let channel = motor
         .map_or_else(|| BagChannel::Effort(joint.clone()), |motor| BagChannel::Driving(*motor));
     let track = track(path, &channel)?;
-    let Track { topic, joint, blank, .. } = &track;
+    let Track { topic, joint, blank, beside, .. } = &track;
     let place = |index: usize| format!("message {} of {topic}", index + 1);
     let timing = Timing::of(path, &track.time, steps, place)?.of_one_rate();
     let of = joint.as_ref().map_or_else(String::new, |name| format!(" of {name}"));
@@ -60,6 +61,7 @@ pub fn read(
             force: source(&force),
         },
         position,
+        beside: beside.clone(),
     })
 }
 
@@ -89,6 +91,8 @@ pub(super) struct Track {
     pub force: Vec<f64>,
     /// It is friction alone.
     pub friction_only: bool,
+    /// Other joints that move.
+    pub beside: Vec<Beside>,
     /// Messages without a number where one is needed, left out.
     pub blank: usize,
 }
@@ -118,7 +122,7 @@ fn times(bag: &BagReader, stamps: &[u64]) -> Result<Vec<f64>, RecordingError> {
 }
 
 fn of_joint(path: &Path, bag: &BagReader, choice: &JointChoice) -> Result<Track, RecordingError> {
-    let Joint { name, mut samples, effort } = joints::read(path, bag, choice)?;
+    let Joint { name, mut samples, effort, beside } = joints::read(path, bag, choice)?;
     // A bag is in the order of its log; what counts is when the sample was taken.
     samples.sort_by_key(|sample| sample.stamp);
     let topic = joints::topic(bag).to_owned();
@@ -162,6 +166,7 @@ fn of_joint(path: &Path, bag: &BagReader, choice: &JointChoice) -> Result<Track,
         velocity: Some(of(velocity)).filter(|_| moved),
         force: of(force),
         friction_only: effort == Effort::Friction,
+        beside,
         blank: all - samples.len(),
     })
 }
@@ -195,6 +200,7 @@ fn of_rig(
         force: force.collect(),
         velocity: Some(velocity),
         friction_only: false,
+        beside: vec![],
         blank: 0,
     })
 }
@@ -247,6 +253,9 @@ mod tests {
         assert!((wrist.position.as_ref().unwrap()[2] - 0.6).abs() < 1e-12);
         assert_eq!(wrist.force, vec![30.0; 40]);
         assert_eq!(wrist.sources.force.name, "/joint_states effort of wrist");
+        let names: Vec<&str> = wrist.beside.iter().map(|other| other.joint.as_str()).collect();
+        assert_eq!(names, ["shoulder", "elbow"], "the gripper is held");
+        assert!((wrist.beside[1].travel - 7.8).abs() < 1e-12, "{:?}", wrist.beside);
         let elbow = read(&dir, None, &joint("elbow"), 0.05).unwrap();
         assert_eq!((elbow.velocity, elbow.force[1]), (None, 21.0));
         assert!((elbow.position.unwrap()[1] - 0.2).abs() < 1e-12);

@@ -5,6 +5,7 @@
 
 use std::path::Path;
 
+use super::beside::Beside;
 use super::column::Channel;
 use super::grid::Input;
 use super::layout::Layout;
@@ -87,6 +88,7 @@ fn parse<'a>(
         axis: rows.axis,
         friction_only: false,
         sources: rows.sources,
+        beside: rows.beside,
     })
 }
 
@@ -107,6 +109,8 @@ pub(super) struct Rows {
     pub force: Vec<f64>,
     pub axis: Option<AxisKind>,
     pub sources: Sources,
+    /// Other joints that move.
+    pub beside: Vec<Beside>,
     /// Rows without a value in one of the columns, left out.
     pub blank: usize,
     /// How the table is written.
@@ -172,10 +176,31 @@ pub(super) fn rows(
             velocity: velocity.map(|found| found.source),
             force: force.source,
         },
+        beside: beside(path, loaded, columns)?,
         blank,
         dialect: sheet.dialect,
         lines,
     })
+}
+
+/// The joints beside the one that was chosen that move.
+fn beside(
+    path: &Path,
+    loaded: &Loaded<'_>,
+    columns: &Columns,
+) -> Result<Vec<Beside>, RecordingError> {
+    if columns.layout.joint.is_none() {
+        return Ok(Vec::new());
+    }
+    let mut sheet = Sheet::open(path, loaded, &columns.layout, "t_s,q1,tau1,q2,tau2")?;
+    let (names, found): (Vec<String>, Vec<Found>) =
+        sheet.others(Channel::Position).into_iter().unzip();
+    if found.is_empty() {
+        return Ok(Vec::new());
+    }
+    let Cells { values, .. } = sheet.columns(&found.iter().collect::<Vec<_>>(), Missing::AsNan)?;
+    let of = |(name, values): (String, Vec<f64>)| Beside::of(&name, values.into_iter());
+    Ok(names.into_iter().zip(values).filter_map(of).collect())
 }
 
 #[cfg(test)]
@@ -200,6 +225,19 @@ mod tests {
         assert_eq!(recording.velocity, None);
         assert_eq!(recording.force, [2.0, -30.0, 4.0]);
         assert_eq!(recording.axis, Some(AxisKind::Linear));
+    }
+
+    #[test]
+    fn joints_that_move_beside_the_one_that_was_chosen_are_told() {
+        let text = "t_s,q1_rad,tau1_Nm,q2_deg,tau2_Nm,q3_rad,tau3_Nm\n\
+                    0,0.1,1,0,5,1.00,7\n0.1,0.2,2,,5,1.01,7\n0.2,0.4,3,90,5,1.00,7\n";
+        let layout = Layout { joint: Some("1".to_owned()), ..Layout::default() };
+        let columns = Columns { layout, ..Columns::default() };
+        let found = parse(Path::new("x.csv"), text.as_bytes(), &columns, 0.05).unwrap();
+        assert_eq!(found.force, [1.0, 2.0, 3.0], "a gap of another joint takes no row away");
+        let [second] = &found.beside[..] else { panic!("{:?}", found.beside) };
+        assert_eq!(second.joint, "2");
+        assert!((second.travel - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
     }
 
     #[test]

@@ -132,6 +132,17 @@ impl Estimates {
         self.distrust_but(steady, &why, "motion at several speeds");
     }
 
+    /// Says of all but friction that other joints move: their weight, their place and their
+    /// acceleration act on the inertia and on the load.
+    pub fn distrust_what_other_joints_move(&mut self) {
+        let friction = |id: ParameterId| {
+            let of_load = AxisTerm::SIGNED.iter().any(|term| term.name() == id.name);
+            id.name != AxisTerm::Inertia.name() && !of_load
+        };
+        let why = ErrorDoubt::OtherJoints.to_string();
+        self.distrust_but(friction, &why, "motion of this joint alone, the others held");
+    }
+
     /// Says of those that are identified, but for some, that their numbers are not to be trusted.
     pub(crate) fn distrust_but(
         &mut self,

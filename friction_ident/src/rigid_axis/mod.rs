@@ -182,6 +182,15 @@ impl AxisFit {
         }
     }
 
+    /// Says of the inertia and the load that other joints move, whose weight, place and acceleration
+    /// act on them.
+    pub fn distrust_what_other_joints_move(&mut self) {
+        let loaded = |term: AxisTerm| term == AxisTerm::Inertia || term.is_signed();
+        for term in self.terms.iter_mut().filter(|estimate| loaded(estimate.term)) {
+            term.doubt = term.doubt.or(Some(ErrorDoubt::OtherJoints));
+        }
+    }
+
     /// Whether there can be such an axis.
     ///
     /// # Errors

@@ -105,6 +105,9 @@ pub enum ErrorDoubt {
         "the motion has one speed, and what changes with speed hangs on the turns alone, where all acts at once"
     )]
     OneSpeed,
+    /// Other joints move, and act on what it stands for.
+    #[error("other joints move beside this one, and act on it where it stands")]
+    OtherJoints,
     /// What it belongs to is not to be trusted as a whole.
     #[error("the fit as a whole is not to be trusted, as the warnings say")]
     WholeFit,

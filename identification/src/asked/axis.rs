@@ -124,6 +124,9 @@ impl Found {
             }
             structured.fit.estimates.distrust();
         }
+        if let Some(structured) = found.as_mut().filter(|_| !recording.beside.is_empty()) {
+            structured.fit.estimates.distrust_what_other_joints_move();
+        }
         if found.is_none() {
             let stopped = "stopped before any structure was compared; nothing was written";
             return Err(Interrupted(stopped.to_owned()).into());

@@ -6,6 +6,7 @@
 //! friction, and `output` puts files on the disk all at once or not at all.
 
 mod band;
+mod beside;
 pub mod document;
 mod errors;
 mod held;
@@ -238,6 +239,12 @@ pub fn identify(
         for model in [Some(&mut symmetric), asymmetric.as_mut()].into_iter().flatten() {
             model.warned = true;
             model.fit.distrust_what_changes_with_speed();
+        }
+    }
+    if let Some(said) = beside::note(&recording.beside).filter(|_| settings.inertia) {
+        notes.push(said);
+        for model in [Some(&mut symmetric), asymmetric.as_mut()].into_iter().flatten() {
+            model.fit.distrust_what_other_joints_move();
         }
     }
     warnings.extend(drift.clone());

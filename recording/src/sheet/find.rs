@@ -49,6 +49,22 @@ impl Sheet<'_> {
         labels
     }
 
+    /// The columns of a channel of the joints that were not chosen, with their names.
+    pub(in super::super) fn others(&self, channel: Channel) -> Vec<(String, Found)> {
+        let chosen = self.layout.joint.as_ref();
+        let others = self.joints().into_iter().filter(|label| Some(label) != chosen);
+        let of = |label: String| {
+            let places = self.places(&|column| column.label.as_ref() == Some(&label));
+            let stems: Vec<String> =
+                places.iter().map(|place| self.columns[*place].stem.clone()).collect();
+            let name = channel.recognise(&stems)?;
+            let place = stems.iter().position(|stem| stem == name)?;
+            let found = self.found(channel, places[place], None).ok()?;
+            Some((label, found))
+        };
+        others.filter_map(of).collect()
+    }
+
     /// The column that is recognised, of the joint that was chosen or of the only one.
     fn recognised(&self, channel: Channel) -> Result<Option<usize>, RecordingError> {
         if self.dialect.headerless {

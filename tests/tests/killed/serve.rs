@@ -10,7 +10,7 @@ use msgs::friction_msgs::{Setting, StartExperiment, StartExperimentRequest};
 use rand_pcg::Pcg64Mcg;
 use ros_node::{Discovery, Participant};
 
-use super::{Counts, Device, PATIENCE, round_of_one, signal};
+use super::{ATTEMPTS, Counts, Device, PATIENCE, round_of_one, signal};
 
 /// Names the rig for the process that asks.
 const RIG: &str = "FRICTION_SERVED_RIG";
@@ -22,8 +22,21 @@ pub struct Served {
 }
 
 impl Served {
-    /// Starts both and waits until the experiment drives.
+    /// Starts both and waits until the experiment drives; again where a busy machine starves the
+    /// line.
     pub fn start(device: &mut Device) -> Self {
+        for _ in 0..ATTEMPTS {
+            let mut served = Self::once(device);
+            let asking = &mut served.asking;
+            if device.drives(2 * PATIENCE, || matches!(asking.try_wait(), Ok(None))) {
+                return served;
+            }
+            served.end();
+        }
+        panic!("the experiment does not drive");
+    }
+
+    fn once(device: &Device) -> Self {
         let this = env::current_exe().expect("a test knows its program");
         let mut asking = tests::network::namespaced()
             .arg(this)
@@ -40,24 +53,25 @@ impl Served {
             .find_map(|line| line.ok()?.rsplit_once("the server is ")?.1.trim().parse().ok())
             .expect("it says which process serves");
         std::thread::spawn(move || lines.for_each(drop));
-        let mut served = Self { asking, server };
-        let asking = &mut served.asking;
-        let drives = device.drives(2 * PATIENCE, || matches!(asking.try_wait(), Ok(None)));
-        assert!(drives, "the experiment does not drive");
-        served
+        Self { asking, server }
+    }
+
+    fn end(mut self) {
+        signal(self.server, "-KILL");
+        drop(self.asking.stdin.take());
+        self.asking.wait().expect("it ends");
     }
 
     /// Kills the server at the latest at the end.
     pub fn round(
-        mut self,
+        self,
         round: u32,
         device: &mut Device,
         random: &mut Pcg64Mcg,
         counts: &mut Counts,
     ) {
         round_of_one(self.server, &format!("serve, round {round}"), device, random, counts);
-        drop(self.asking.stdin.take());
-        self.asking.wait().expect("it ends");
+        self.end();
     }
 }
 
