@@ -43,7 +43,10 @@ pub fn next(
         let simpler = simpler.filter(|other| other.parameters() < score.structure.parameters());
         let before = simpler.filter_map(|other| of(&other));
         let before = before.filter(|before| before.first_speeds <= score.first_speeds);
-        let before = before.map(|before| before.relative_error).reduce(f64::min);
+        // A lag has to be worth something too.
+        let at_once = AxisStructure { lag: false, ..score.structure };
+        let at_once = of(&at_once).filter(|_| score.structure.lag);
+        let before = before.chain(at_once).map(|before| before.relative_error).reduce(f64::min);
         before.is_none_or(|before| score.relative_error <= WORTH * before)
     };
     let mut best: Vec<&CrossValidation> = scores.iter().filter(worth_it).collect();
@@ -65,6 +68,8 @@ pub fn next(
             let mut near = score.structure.neighbours();
             near.retain(in_turn);
             near.retain(|near| near.parameters() > score.structure.parameters());
+            // A lag comes later.
+            near.retain(|near| near.lag == score.structure.lag);
             near.retain(|near| near.harmonic == (harmonic || score.structure.harmonic));
             near.retain(|near| !known(near) && !wanted.contains(near) && possible(near));
             wanted.extend(near);
@@ -80,10 +85,12 @@ pub fn next(
 }
 
 /// Of the best structures that have a dip and a bristle, of all and of those that are likely, the
-/// same with a dip that lags.
+/// same with a dip that lags; before there is a force that repeats.
 fn lagging(scores: &[CrossValidation], refused: &[AxisStructure]) -> Vec<AxisStructure> {
-    let both =
-        || scores.iter().filter(|score| score.structure.stribeck && score.structure.presliding);
+    let has = |structure: &AxisStructure| {
+        structure.stribeck && structure.presliding && !structure.harmonic
+    };
+    let both = || scores.iter().filter(|score| has(&score.structure));
     let better =
         |a: &&CrossValidation, b: &&CrossValidation| a.relative_error.total_cmp(&b.relative_error);
     let best = both().min_by(better);
@@ -168,6 +175,35 @@ mod tests {
         let scores = [score(first, 10.0), score(bristle, 5.0), score(of_place, 6.0)];
         let wanted = next(&scores, &[], |_| true);
         assert!(wanted.contains(&damped) && !wanted.contains(&damped_there), "{wanted:?}");
+    }
+
+    /// When nothing else helps, before a wave is looked for; and it goes on from there only where the
+    /// lag is worth something.
+    #[test]
+    fn a_dip_and_a_bristle_are_tried_with_a_lag() {
+        let error = |structure: &AxisStructure, lag: f64| {
+            error(structure) - if structure.lag { lag } else { 0.0 }
+        };
+        for (lag, helps) in [(0.5, true), (0.001, false)] {
+            let mut scores: Vec<CrossValidation> = Vec::new();
+            loop {
+                let wanted = next(&scores, &[], |_| true);
+                if wanted.is_empty() {
+                    break;
+                }
+                let waves = scores.iter().any(|score| score.structure.harmonic);
+                assert!(!waves || wanted.iter().all(|new| new.harmonic), "{wanted:?}");
+                scores.extend(wanted.iter().map(|new| score(*new, error(new, lag))));
+            }
+            let with = |harmonic: bool| {
+                let of = |score: &&CrossValidation| {
+                    score.structure.lag && score.structure.harmonic == harmonic
+                };
+                scores.iter().filter(of).count()
+            };
+            assert!(with(false) > 0, "{scores:?}");
+            assert_eq!(with(true) > 0, helps, "{scores:?}");
+        }
     }
 
     /// The best has a dip upside down: what the others can do is looked at too.

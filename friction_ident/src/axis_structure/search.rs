@@ -22,9 +22,11 @@ const EXACT: f64 = 1e-8;
 const LATE: f64 = 0.1;
 /// Share of the longest delay below which a delay lies at zero.
 const AT_ONCE: f64 = 1e-6;
-/// Change of the logarithm of `f_s` over `f_c` up to which a lag is that of the fit, and how often it
-/// is made anew.
+/// Change of the logarithm of `f_s` over `f_c` up to which a lag is that of the fit, how much more of
+/// it is enough where the fit need not be exact (a multiple of the root of the share that is enough),
+/// and how often the lag is made anew.
 const SAME_RATIO: f64 = 1e-3;
+const ENOUGH_RATIO: f64 = 3.0;
 const ROUNDS: usize = 8;
 /// Periods that are looked at, and how many of them are tried.
 const PERIODS: usize = 400;
@@ -186,12 +188,13 @@ impl<'a> Search<'a> {
         kept: &[ShapeTerm],
         enough: f64,
     ) -> Result<Best, IdentError> {
+        let same = SAME_RATIO.max(ENOUGH_RATIO * enough.sqrt());
         let mut best = self.closer_at(start, kept, enough)?;
         for _ in 0..ROUNDS {
-            let Some(ratio) = self.ratio(&best.solution.x) else { break };
-            if (ratio / best.shape.ratio).ln().abs() < SAME_RATIO {
+            let ratio = self.ratio(&best.solution.x);
+            let Some(ratio) = ratio.filter(|ratio| !is_same(*ratio, &best.shape, same)) else {
                 break;
-            }
+            };
             best = self.closer_at(Shape { ratio, ..best.shape }, kept, enough)?;
         }
         Ok(best)
@@ -336,6 +339,11 @@ impl<'a> Search<'a> {
         let sum = residuals.norm_squared();
         Ok(Minimum { x, residuals, jacobian, held, sum, evaluations: 0, ending: Ending::Converged })
     }
+}
+
+/// Whether a ratio of the levels is that of `shape` but for a share.
+fn is_same(ratio: f64, shape: &Shape, share: f64) -> bool {
+    (ratio / shape.ratio).ln().abs() < share
 }
 
 /// The residual of the linear fit as a function of the nonlinear parameters.
