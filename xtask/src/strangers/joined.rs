@@ -17,17 +17,20 @@ struct Asked {
     machines: u32,
     first: u64,
     mujoco: bool,
+    #[serde(default)]
+    near_rest: bool,
     with: Vec<String>,
     alone: bool,
 }
 
 impl From<&Strangers> for Asked {
     fn from(asked: &Strangers) -> Self {
-        let Strangers { machines, first, mujoco, with, alone, .. } = asked;
+        let Strangers { machines, first, mujoco, near_rest, with, alone, .. } = asked;
         Self {
             machines: *machines,
             first: *first,
             mujoco: *mujoco,
+            near_rest: *near_rest,
             with: with.clone(),
             alone: *alone,
         }

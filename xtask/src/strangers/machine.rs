@@ -13,9 +13,42 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64Mcg;
 
-/// Families of friction: without memory, with a dip, with bristles, with several of them.
-const FAMILIES: [ModelName; 4] =
-    [ModelName::CoulombViscous, ModelName::Stribeck, ModelName::LuGre, ModelName::Gms];
+/// Which machines are drawn. Shares are drawn evenly in their logarithm.
+#[derive(Debug, Clone, Copy)]
+pub struct Kind {
+    families: [ModelName; 4],
+    /// Static friction as a multiple of the kinetic one.
+    dip: [f64; 2],
+    /// Stribeck velocity as a share of the largest speed.
+    v_s: [f64; 2],
+    /// Deflection at breakaway as a share of the travel.
+    bend: [f64; 2],
+}
+
+impl Kind {
+    /// Friction without memory, with a dip, with bristles, with several of them.
+    pub const USUAL: Self = Self {
+        families: [
+            ModelName::CoulombViscous,
+            ModelName::Stribeck,
+            ModelName::LuGre,
+            ModelName::Gms,
+        ],
+        dip: [1.05, 1.6],
+        v_s: [0.01, 0.08],
+        bend: [3e-4, 1e-2],
+    };
+    /// Bristles that bend far under strong dips: what happens near rest counts.
+    pub const NEAR_REST: Self = Self {
+        families: [ModelName::LuGre, ModelName::ElastoPlastic, ModelName::LuGre, ModelName::Dahl],
+        dip: [1.2, 2.5],
+        v_s: [0.02, 0.2],
+        bend: [1e-3, 3e-2],
+    };
+}
+
+/// Share of the kinetic level at which the elasto-plastic bristle begins to slide.
+const ELASTIC: f64 = 0.7;
 /// Sampling rates \[Hz\].
 const RATES: [f64; 6] = [100.0, 200.0, 500.0, 1000.0, 2000.0, 5000.0];
 /// Longest step of the friction \[s\].
@@ -65,13 +98,13 @@ pub struct Rows {
 
 impl Truth {
     /// The machine of a number.
-    pub fn draw(seed: u64) -> Self {
+    pub fn draw(kind: Kind, seed: u64) -> Self {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
         let mut within = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
         let mut log = |low: f64, high: f64| within(low.ln(), high.ln()).exp();
         let (f_c, speed, travel) = (log(0.02, 50.0), log(0.3, 20.0), log(0.3, 4.0));
-        let f_s = f_c * log(1.05, 1.6);
-        let v_s = speed * log(0.01, 0.08);
+        let f_s = f_c * log(kind.dip[0], kind.dip[1]);
+        let v_s = speed * log(kind.v_s[0], kind.v_s[1]);
         let f_v = f_c / speed * log(0.1, 1.0);
         let slow = speed / travel;
         let duration = f64::max(log(20.0, 60.0), 12.0 * TAU / slow);
@@ -88,7 +121,7 @@ impl Truth {
         let mut log = |low: f64, high: f64| within(f64::ln(low), f64::ln(high)).exp();
         let rate = RATES[(log(1.0, 6.999)) as usize - 1];
         let inertia = f_c / (speed * slow) * log(0.1, 2.0);
-        let sigma0 = f_s / (travel * log(3e-4, 1e-2));
+        let sigma0 = f_s / (travel * log(kind.bend[0], kind.bend[1]));
         let noise = f_c * log(0.01, 0.15);
         let colour = if coloured { log(2.0, 20.0) / rate } else { 0.0 };
         let encoder = TAU / 2f64.powf(log(11.0, 18.0).round());
@@ -98,7 +131,7 @@ impl Truth {
         let cog = [f_c * log(0.02, 0.1), log(5.0, 60.0).round(), log(0.1, 6.0)];
         let constant = f_c * log(0.05, 0.6);
         Self {
-            family: FAMILIES[(seed % 4) as usize],
+            family: kind.families[(seed % 4) as usize],
             inertia,
             f_c,
             f_s,
@@ -131,6 +164,7 @@ impl Truth {
             ("f_c", self.f_c),
             ("v_s", self.v_s),
             ("f_v", self.f_v),
+            ("z_ba", ELASTIC * self.f_c / self.sigma0),
             ("sigma0", self.sigma0),
             ("sigma1", 0.1 * self.sigma0 * self.f_s / self.sigma0 / self.v_s),
         ] {

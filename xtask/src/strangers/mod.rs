@@ -25,7 +25,7 @@ use work::part::{InParts, Part};
 use work::sequencer::run_in_order;
 
 use self::judge::{Answer, Known};
-use self::machine::Truth;
+use self::machine::{Kind, Truth};
 use crate::python_env;
 
 /// Options of `cargo xtask strangers`.
@@ -46,6 +46,9 @@ pub struct Strangers {
     /// Axes that MuJoCo simulates, in place of our own: they stick, and follow a position loop
     #[arg(long)]
     mujoco: bool,
+    /// Bristles that bend far under strong dips, in place of friction of all kinds
+    #[arg(long, conflicts_with = "mujoco")]
+    near_rest: bool,
     /// Leave SciPy out.
     #[arg(long)]
     alone: bool,
@@ -64,7 +67,7 @@ pub struct Strangers {
     #[arg(long)]
     quiet: bool,
     /// Real recordings in place of machines drawn at random: both halves of each must tell the same
-    #[arg(long, conflicts_with_all = ["machines", "first", "mujoco"])]
+    #[arg(long, conflicts_with_all = ["machines", "first", "mujoco", "near_rest"])]
     real: bool,
     /// Where the real recordings are [default: $FRICTION_DATA, else ../shared/data]
     #[arg(long, value_name = "DIR", requires = "real")]
@@ -169,7 +172,11 @@ impl Strangers {
         match &self.out {
             Some(out) => Ok(std::path::absolute(out)?),
             None => {
-                let own = if self.mujoco { "strangers/mujoco" } else { "strangers" };
+                let own = match (self.mujoco, self.near_rest) {
+                    (true, _) => "strangers/mujoco",
+                    (false, true) => "strangers/near_rest",
+                    (false, false) => "strangers",
+                };
                 Ok(python_env::target()?.join(own))
             }
         }
@@ -178,7 +185,8 @@ impl Strangers {
     /// Draws a machine and asks the program.
     fn drawn(&self, number: u64, program: &Path, root: &Path) -> Result<Case> {
         let folder = root.join(number.to_string());
-        let truth = Truth::draw(number);
+        let kind = if self.near_rest { Kind::NEAR_REST } else { Kind::USUAL };
+        let truth = Truth::draw(kind, number);
         let rows = truth.record(number)?;
         fs::create_dir_all(&folder)?;
         let half = rows.time.len() / 2;
