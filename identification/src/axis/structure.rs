@@ -112,7 +112,8 @@ impl Structured {
         });
         let rise = self.choice.without_rise.and_then(|best| self.scores.get(best)).map(|best| {
             format!(
-                "It predicts clearly better than the best structure whose friction does not rise over the first speeds ({}), and is chosen for that.                  Which of the two the axis has is open: the intervals reach to both.",
+                "It predicts clearly better than the best structure whose friction does not rise over the first speeds ({}), and is chosen for that. \
+                 Which of the two the axis has is open: the intervals reach to both.",
                 best.structure
             )
         });
