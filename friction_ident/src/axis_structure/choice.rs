@@ -57,8 +57,8 @@ pub struct Choice {
 /// how friction builds up around the reversals of this recording, and fails where the axis slows
 /// down without turning round. Where it predicts another recording clearly better too, it is the one
 /// to predict with, and [`without_rise`](Choice::without_rise) names the best of the others. One
-/// whose friction would drive the axis at first is chosen only where
-/// there is no other. Both stay in the ranking, ahead of the best where they predict better.
+/// whose friction would drive the axis at first is chosen only where there is no other. Both stay in
+/// the ranking, ahead of the best where they predict better.
 ///
 /// Where all were tried on another recording, its blocks count as those that were kept back do.
 ///

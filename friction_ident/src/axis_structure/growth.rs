@@ -6,9 +6,10 @@
 //! the cross-validation and not by the fit. Several at once, because the part that
 //! helps most alone need not belong to those that help most together. It ends where no further part
 //! is worth its while. Where the best has friction that rises over the first speeds, which is seldom
-//! true, the search goes on from the best of the others too. Where a dip and a bristle are there, a dip
-//! that lags is tried when nothing else helps: it is no further part. A force that repeats along the axis comes last: its period is dear to search,
-//! and before the rest of the model is right it takes up what belongs elsewhere.
+//! true, the search goes on from the best of the others too. Where a dip and a bristle are there, a
+//! dip that lags is tried when nothing else helps: it is no further parameter. A force that repeats
+//! along the axis comes last: its period is dear to search, and before the rest of the model is right
+//! it takes up what belongs elsewhere.
 
 use super::{AxisStructure, CrossValidation, FirstSpeeds};
 
