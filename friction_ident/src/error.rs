@@ -155,6 +155,16 @@ pub enum IdentError {
         /// The longest.
         high: f64,
     },
+    /// The levels of a dip that lags are not those that its lag was made of.
+    #[error(
+        "the lag of the dip does not settle: f_s over f_c comes out as {found:.2} where the lag is that of {of:.2}; without lag the dip follows at once"
+    )]
+    UnsettledLag {
+        /// `f_s` over `f_c` as it was fitted.
+        found: f64,
+        /// As the lag was made of it.
+        of: f64,
+    },
     /// A load depends on the position, which the recording lacks.
     #[error("a spring or gravity depends on the position, but the recording has none; record it")]
     NoPositionForLoad,

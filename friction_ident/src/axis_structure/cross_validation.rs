@@ -148,6 +148,7 @@ pub fn cross_validate_beside(
         Some(simpler) => search.grown(&simpler.structure, simpler.shape, ENOUGH)?,
         None => search.whole()?,
     };
+    search.settled(&best)?;
     let first_speeds = first_speeds(&structure, &best, &search);
     let whole = Whole::of(&mut search, &best)?;
     let mut squares = Vec::with_capacity(blocks);

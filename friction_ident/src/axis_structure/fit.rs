@@ -207,6 +207,7 @@ fn fitted(
     scale: PositionScale,
     units: &AxisUnits,
 ) -> Result<StructureFit, IdentError> {
+    search.settled(&best)?;
     let structure = search.structure;
     let Best { solution, .. } = &best;
     let terms = ShapeTerm::of(&structure);

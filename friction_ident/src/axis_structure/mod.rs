@@ -10,9 +10,10 @@
 //! ```
 //!
 //! `z` is the sign of the velocity, or with pre-sliding the deflection of Dahl's bristle over its
-//! limit; with damping it resists being deflected, as LuGre's does. With `lag` it is LuGre's: its limit is
-//! the Stribeck curve, and the level follows the velocity as far as the bristle moves. With `asymmetric` the coefficients of the parts that push forward and backward are
-//! parameters of their own, and no offset is left to be told from them.
+//! limit; with damping it resists being deflected, as LuGre's does. With `lag` it is LuGre's: its
+//! limit is the Stribeck curve, and the level follows the velocity as far as the bristle moves.
+//! With `asymmetric` the coefficients of the parts that push forward and backward are parameters
+//! of their own, and no offset is left to be told from them.
 //!
 //! [`fit_structure`] estimates one structure by separable least squares, [`cross_validate`] tells
 //! how well it predicts what it has not seen, [`growth`] says which to compare, [`choose`] decides.

@@ -28,6 +28,8 @@ const AT_ONCE: f64 = 1e-6;
 const SAME_RATIO: f64 = 1e-3;
 const ENOUGH_RATIO: f64 = 3.0;
 const ROUNDS: usize = 8;
+/// The same change beyond which a fit is none.
+const SETTLED: f64 = 0.05;
 /// Periods that are looked at, and how many of them are tried.
 const PERIODS: usize = 400;
 const TRIED: usize = 3;
@@ -198,6 +200,21 @@ impl<'a> Search<'a> {
             best = self.closer_at(Shape { ratio, ..best.shape }, kept, enough)?;
         }
         Ok(best)
+    }
+
+    /// Whether the lag of a fit is that of its levels; a fit without one is settled.
+    ///
+    /// # Errors
+    /// [`IdentError::UnsettledLag`]: what such a fit predicts is no bristle's force.
+    pub fn settled(&self, best: &Best) -> Result<(), IdentError> {
+        let of = best.shape.ratio;
+        match self.regressors.ratio(&best.solution.x) {
+            // Nor is one that is no number.
+            Some(found) if !is_same(found, &best.shape, SETTLED) => {
+                Err(IdentError::UnsettledLag { found, of })
+            }
+            _ => Ok(()),
+        }
     }
 
     /// `f_s` over `f_c` of a fit whose bristle lags.

@@ -403,15 +403,13 @@ fn the_damping_of_a_bristle_is_found() {
     near("f_c", 5.0, 0.02);
 }
 
-/// LuGre (Canudas de Wit et al. 1995), integrated finely: its level follows the velocity as far as
-/// the bristle moves. A dip that follows at once leaves twice as much over.
-#[test]
-fn the_friction_of_lugre_is_found() {
-    const F_C: f64 = 5.0;
-    const F_S: f64 = 9.0;
-    const F_V: f64 = 8.0;
-    const SIGMA0: f64 = 2500.0;
-    const SIGMA1: f64 = 60.0;
+const F_C: f64 = 5.0;
+const F_V: f64 = 8.0;
+const SIGMA0: f64 = 2500.0;
+const SIGMA1: f64 = 60.0;
+
+/// 20 s of LuGre (Canudas de Wit et al. 1995), integrated finely.
+fn lugre(f_s: f64) -> Conditioned {
     let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(4);
     let (dt, inner) = (1e-3, 20);
     let fine = dt / f64::from(inner);
@@ -419,7 +417,7 @@ fn the_friction_of_lugre_is_found() {
     for k in 0..20_000 * inner {
         let t = f64::from(k) * fine;
         let v = velocity(t + 0.5 * fine);
-        let level = F_C + (F_S - F_C) * (-(v / V_S).powi(2)).exp();
+        let level = F_C + (f_s - F_C) * (-(v / V_S).powi(2)).exp();
         let end = level / SIGMA0 * v.signum();
         let after = end + (z - end) * (-SIGMA0 * v.abs() * fine / level).exp();
         let (rate, middle) = ((after - z) / fine, 0.5 * (after + z));
@@ -432,7 +430,15 @@ fn the_friction_of_lugre_is_found() {
         }
     }
     let signals = Signals { time_step: dt, position: Some(&place), velocity: None, force: &force };
-    let recording = condition(&signals, &Conditioning::for_time_step(dt)).unwrap();
+    condition(&signals, &Conditioning::for_time_step(dt)).unwrap()
+}
+
+/// Its level follows the velocity as far as the bristle moves. A dip that follows at once leaves
+/// twice as much over.
+#[test]
+fn the_friction_of_lugre_is_found() {
+    const F_S: f64 = 9.0;
+    let recording = lugre(F_S);
     let of = |name| fit_structure(&recording, structure(name), &AxisUnits::LINEAR).unwrap();
     let (follows, at_once) =
         (of("symmetric+damping+lag"), of("symmetric+stribeck+presliding+damping"));
@@ -455,4 +461,20 @@ fn the_friction_of_lugre_is_found() {
     near("sigma1", SIGMA1, 0.1);
     let levels = follows.estimates.value("f_s").unwrap() / follows.estimates.value("f_c").unwrap();
     assert!((follows.shape.ratio / levels - 1.0).abs() < 2e-3, "{levels}");
+}
+
+/// Twelve times the kinetic level: further than a lag is followed. Its columns would be those of
+/// another ratio, and what is fitted with them no bristle's force.
+#[test]
+fn a_lag_that_is_not_that_of_the_levels_is_refused() {
+    let recording = lugre(60.0);
+    let lagging = structure("symmetric+damping+lag");
+    let validated = cross_validate(&recording, lagging, 8).map(|score| score.shape.ratio);
+    let fitted = fit_structure(&recording, lagging, &AxisUnits::LINEAR).map(|fit| fit.shape.ratio);
+    for refused in [validated, fitted] {
+        assert!(
+            matches!(refused, Err(crate::IdentError::UnsettledLag { found, .. }) if found > 5.0),
+            "{refused:?}"
+        );
+    }
 }
