@@ -163,7 +163,9 @@ pub(super) fn rows(
     };
     let positions = position.as_ref().map(|_| next());
     let velocities = velocity.as_ref().map(|_| next());
-    let axis = velocity.as_ref().or(position.as_ref()).and_then(|found| found.axis).or(force.axis);
+    let moving = velocity.as_ref().or(position.as_ref());
+    let axis = moving.and_then(|found| found.axis).or(force.axis);
+    let named = moving.and_then(|found| sheet.joint_of(found)).map(str::to_owned);
     Ok(Rows {
         time: times,
         position: positions,
@@ -176,25 +178,33 @@ pub(super) fn rows(
             velocity: velocity.map(|found| found.source),
             force: force.source,
         },
-        beside: beside(path, loaded, columns)?,
+        beside: beside(path, loaded, columns, named)?,
         blank,
         dialect: sheet.dialect,
         lines,
     })
 }
 
-/// The joints beside the one that was chosen that move.
+/// The joints that move beside the one that was chosen, or whose columns were `named`.
+///
+/// Where columns were named, another that is called alike may be a second encoder of the same axis,
+/// so that only what has a force or torque of its own counts as a joint.
 fn beside(
     path: &Path,
     loaded: &Loaded<'_>,
     columns: &Columns,
+    named: Option<String>,
 ) -> Result<Vec<Beside>, RecordingError> {
-    if columns.layout.joint.is_none() {
-        return Ok(Vec::new());
-    }
+    let chosen = columns.layout.joint.clone();
+    let Some(joint) = chosen.clone().or(named) else { return Ok(Vec::new()) };
     let mut sheet = Sheet::open(path, loaded, &columns.layout, "t_s,q1,tau1,q2,tau2")?;
-    let (names, found): (Vec<String>, Vec<Found>) =
-        sheet.others(Channel::Position).into_iter().unzip();
+    let driven = sheet.others(columns.measured.channel(), &joint);
+    let is_driven = |label: &String| driven.iter().any(|(other, _)| other == label);
+    let (names, found): (Vec<String>, Vec<Found>) = sheet
+        .others(Channel::Position, &joint)
+        .into_iter()
+        .filter(|(label, _)| chosen.is_some() || is_driven(label))
+        .unzip();
     if found.is_empty() {
         return Ok(Vec::new());
     }
@@ -238,6 +248,21 @@ mod tests {
         let [second] = &found.beside[..] else { panic!("{:?}", found.beside) };
         assert_eq!(second.joint, "2");
         assert!((second.travel - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn joints_that_move_are_told_where_columns_are_named_and_a_second_encoder_is_none() {
+        let column = |text: &str| Some(text.parse::<Column>().unwrap());
+        let columns =
+            Columns { position: column("q2"), force: column("tau2"), ..Columns::default() };
+        let found = |text: &str| {
+            let found = parse(Path::new("x.csv"), text.as_bytes(), &columns, 0.05).unwrap();
+            found.beside.into_iter().map(|other| other.joint).collect::<Vec<_>>()
+        };
+        let arm = "t_s,q1,q2,tau1,tau2\n0,0.1,1,0,5\n0.1,0.2,2,0,5\n0.2,0.4,3,0,5\n";
+        assert_eq!(found(arm), ["1"]);
+        let encoders = "t_s,q1,q2,tau2\n0,0.1,1,5\n0.1,0.2,2,5\n0.2,0.4,3,5\n";
+        assert!(found(encoders).is_empty());
     }
 
     #[test]

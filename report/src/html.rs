@@ -10,11 +10,29 @@ pub(super) fn prose(text: &str) -> Markup {
     html! {
         @for (index, part) in parts.iter().enumerate() {
             @match (index % 2 == 1, index + 1 < parts.len()) {
-                (false, _) => { (part) }
-                (true, true) => { code { (part) } }
+                (false, _) => { (breakable(part)) }
+                (true, true) => { code { (breakable(part)) } }
                 // A single backtick is itself.
                 (true, false) => { "`" (part) }
             }
+        }
+    }
+}
+
+/// Characters of a word that is given places at which a line may end.
+const LONG_WORD: usize = 28;
+
+/// Text whose long words, as `gravity+bristle+viscous+asymmetric`, may go on in the next line behind
+/// each plus rather than within a part.
+fn breakable(text: &str) -> Markup {
+    html! {
+        @for word in text.split_inclusive(char::is_whitespace) {
+            @if word.contains('+') && word.chars().count() > LONG_WORD {
+                @for (index, part) in word.split_inclusive('+').enumerate() {
+                    @if index > 0 { wbr; }
+                    (part)
+                }
+            } @else { (word) }
         }
     }
 }
@@ -40,6 +58,18 @@ pub(super) fn json_element(json: &str) -> PreEscaped<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_long_name_ends_a_line_behind_a_plus() {
+        let name = "gravity+bristle+viscous+asymmetric";
+        let broken = "gravity+<wbr>bristle+<wbr>viscous+<wbr>asymmetric";
+        assert_eq!(prose(name).0, broken);
+        assert_eq!(
+            prose(&format!("take `{name}` (1e+5)")).0,
+            format!("take <code>{broken}</code> (1e+5)")
+        );
+        assert_eq!(prose("bristle+viscous").0, "bristle+viscous");
+    }
 
     #[test]
     fn markup_becomes_text() {

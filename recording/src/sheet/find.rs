@@ -49,10 +49,14 @@ impl Sheet<'_> {
         labels
     }
 
-    /// The columns of a channel of the joints that were not chosen, with their names.
-    pub(in super::super) fn others(&self, channel: Channel) -> Vec<(String, Found)> {
-        let chosen = self.layout.joint.as_ref();
-        let others = self.joints().into_iter().filter(|label| Some(label) != chosen);
+    /// The joint that a column belongs to.
+    pub(in super::super) fn joint_of(&self, found: &Found) -> Option<&str> {
+        self.columns.get(found.index)?.label.as_deref()
+    }
+
+    /// The columns of a channel of the joints other than `chosen`, with their names.
+    pub(in super::super) fn others(&self, channel: Channel, chosen: &str) -> Vec<(String, Found)> {
+        let others = self.joints().into_iter().filter(|label| label != chosen);
         let of = |label: String| {
             let places = self.places(&|column| column.label.as_ref() == Some(&label));
             let stems: Vec<String> =
