@@ -19,6 +19,10 @@ pub(super) struct Bristle {
     pub rate: Vec<f64>,
     /// Derivative of that with respect to the displacement.
     pub rate_slope: Vec<f64>,
+    /// What is left of a deflection by one limit at the start of its stretch.
+    pub left: Vec<f64>,
+    /// Derivative of that with respect to the displacement.
+    pub left_slope: Vec<f64>,
 }
 
 /// How the deflection of LuGre's bristle hangs on the Stribeck curve that is its limit.
@@ -36,26 +40,30 @@ pub(super) struct Lag {
 
 impl Bristle {
     /// The deflection over its limit of Dahl's (1968) bristle, `z' = (v - |v| z) / displacement`,
-    /// solved exactly over a sample of constant velocity, its mean rate over the sample, and their
-    /// derivatives with respect to the displacement. It keeps its deflection while the axis stands.
+    /// solved exactly along what [`legs`] says of the way between two samples, its mean rate,
+    /// and their derivatives with respect to the displacement. It keeps its deflection while the axis
+    /// stands.
     pub fn dahl(recording: &Conditioned, displacement: f64, damping: bool) -> Self {
-        let time_step = recording.time_step;
         let mut made = Self::default();
-        through(recording, |state: &mut [f64; 2], v, is_kept| {
-            let before = *state;
+        let step = |[z, slope, left, left_slope]: [f64; 4], v: f64, dt: f64| {
             let limit = v.signum();
-            let way = v.abs() * time_step / displacement;
+            let way = v.abs() * dt / displacement;
             let kept = (-way).exp();
-            let slope = (before[1] + (before[0] - limit) * way / displacement) * kept;
-            let z = limit + (before[0] - limit) * kept;
-            *state = [z, slope];
-            if !is_kept {
-                return;
-            }
+            let by = kept * way / displacement;
+            [
+                limit + (z - limit) * kept,
+                slope * kept + (z - limit) * by,
+                left * kept,
+                left_slope * kept + left * by,
+            ]
+        };
+        through(recording, [0.0, 0.0, 1.0, 0.0], step, |before, [z, slope, left, left_slope]| {
             made.sign.push(z);
             made.sign_slope.push(slope);
+            made.left.push(left);
+            made.left_slope.push(left_slope);
             if damping {
-                let moved = [z - before[0], slope - before[1]].map(|by| by / time_step);
+                let moved = [z - before[0], slope - before[1]].map(|by| by / recording.time_step);
                 made.rate.push(displacement * moved[0]);
                 made.rate_slope.push(moved[0] + displacement * moved[1]);
             }
@@ -64,14 +72,17 @@ impl Bristle {
     }
 
     /// The deflection of LuGre's bristle (Canudas de Wit et al. 1995), `z' = (v - |v| z / limit) /
-    /// displacement` with `limit = 1 + (ratio - 1) exp(-(v/v_s)^2)`, solved exactly over a sample of
-    /// constant velocity, with its derivatives. It begins as Dahl's does.
+    /// displacement` with `limit = 1 + (ratio - 1) exp(-(v/v_s)^2)`, solved exactly along the same
+    /// legs, each with its mean velocity, with its derivatives. It begins as Dahl's does.
     pub fn lugre(recording: &Conditioned, shape: &Shape, damping: bool) -> (Self, Lag) {
         let &Shape { v_s, displacement, ratio, .. } = shape;
         let mut made = Self::default();
         let mut lag = Lag { ratio, ..Lag::default() };
-        // The deflection and its derivatives: displacement, ratio, Stribeck velocity.
-        let step = |[z, by_displacement, by_ratio, by_velocity]: [f64; 4], v: f64, dt: f64| {
+        // The deflection and its derivatives: displacement, ratio, Stribeck velocity. Then what is left
+        // of the start and its derivative with respect to the displacement.
+        let step = |[z, by_displacement, by_ratio, by_velocity, start, start_slope]: [f64; 6],
+                    v: f64,
+                    dt: f64| {
             let (near, near_slope) = dip(v, v_s);
             let limit = 1.0 + (ratio - 1.0) * near;
             let end = v.signum() * limit;
@@ -86,19 +97,18 @@ impl Bristle {
                 by_displacement * kept + left * way / displacement,
                 of_limit(by_ratio, near),
                 of_limit(by_velocity, (ratio - 1.0) * near_slope),
+                start * kept,
+                (start_slope + start * way / displacement) * kept,
             ]
         };
-        through(recording, |state: &mut [f64; 4], v, is_kept| {
-            let before = *state;
-            let now = step(before, v, recording.time_step);
-            *state = now;
-            if !is_kept {
-                return;
-            }
+        let begin = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        through(recording, begin, step, |before, now| {
             made.sign.push(now[0]);
             made.sign_slope.push(now[1]);
             lag.by_ratio.push(now[2]);
             lag.by_velocity.push(now[3]);
+            made.left.push(now[4]);
+            made.left_slope.push(now[5]);
             if damping {
                 let moved = |k: usize| (now[k] - before[k]) / recording.time_step;
                 made.rate.push(displacement * moved(0));
@@ -110,29 +120,55 @@ impl Bristle {
     }
 }
 
+/// The ways between two samples on which the axis does not turn, each with its mean velocity and its
+/// duration, where the velocity is a straight line from one to the other: two where it turns in
+/// between. A bristle that is taken from one sample to the next at one velocity is half a sample
+/// early, and of a reversal between the samples it sees the difference of two ways, not both.
+fn legs(from: f64, to: f64, dt: f64) -> [(f64, f64); 2] {
+    if from * to < 0.0 {
+        let turn = dt * from / (from - to);
+        [(0.5 * from, turn), (0.5 * to, dt - turn)]
+    } else {
+        [(0.5 * (from + to), dt), (0.0, 0.0)]
+    }
+}
+
 /// Takes the state of a bristle through a recording: of each stretch from the first recorded sample,
 /// at its limit in the direction of its first motion, on; what is kept begins later, when most of
-/// that is forgotten. `step` gets the state with the deflection first, the velocity, and whether the
-/// sample is kept.
+/// that is forgotten. `begin` is the state where its first motion is not known. `step` takes the state, with the deflection first, on at one velocity for a
+/// time; `keep` gets the state before and at each sample that is kept.
 fn through<const N: usize>(
     recording: &Conditioned,
-    mut step: impl FnMut(&mut [f64; N], f64, bool),
+    begin: [f64; N],
+    step: impl Fn([f64; N], f64, f64) -> [f64; N],
+    mut keep: impl FnMut([f64; N], [f64; N]),
 ) {
-    let Conditioned { lived, pieces, .. } = recording;
-    let mut state = [0.0; N];
+    let Conditioned { lived, pieces, time_step, .. } = recording;
+    let mut state = begin;
+    let mut last = None;
     let mut at: Option<(usize, usize)> = None;
     for piece in pieces {
         let Range { start, end } = piece.origin;
         let from = match at {
             Some((stretch, done)) if stretch == piece.stretch => done,
             _ => {
-                state = [0.0; N];
+                state = begin;
                 state[0] = piece.way;
+                last = None;
                 piece.begin
             }
         };
-        for (k, v) in lived.iter().enumerate().take(end).skip(from) {
-            step(&mut state, *v, k >= start);
+        for (k, &v) in lived.iter().enumerate().take(end).skip(from) {
+            let before = state;
+            let [first, second] = legs(last.unwrap_or(v), v, *time_step);
+            state = step(state, first.0, first.1);
+            if second.1 > 0.0 {
+                state = step(state, second.0, second.1);
+            }
+            last = Some(v);
+            if k >= start {
+                keep(before, state);
+            }
         }
         at = Some((piece.stretch, end));
     }

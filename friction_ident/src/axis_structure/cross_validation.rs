@@ -218,7 +218,10 @@ fn searched(
     let Best { shape, solution } = found?;
     let matrix = search.regressors.matrix(&shape)?;
     let predicted = matrix.rows(block.start, block.len()) * &solution.x;
-    Ok(search.regressors.force.rows(block.start, block.len()) - predicted)
+    let mut error = search.regressors.force.rows(block.start, block.len()) - predicted;
+    let rows: Vec<usize> = block.collect();
+    search.regressors.starts(&shape, Some(&rows))?.leave_out(error.as_mut_slice());
+    Ok(error)
 }
 
 /// Standard error of the sum of independent parts.

@@ -27,7 +27,8 @@ impl CrossValidation {
         let solution = Search::new(recording, self.structure, scale)?.solve(&self.shape)?;
         let mut there = Regressors::new(other, self.structure, scale)?;
         let predicted = there.matrix(&self.shape)? * solution.x;
-        let error = &there.force - predicted;
+        let mut error = &there.force - predicted;
+        there.starts(&self.shape, None)?.leave_out(error.as_mut_slice());
         let (rows, blocks) = (error.len(), blocks_for(other).max(1));
         let block = |block: usize| {
             let (first, end) = (block * rows / blocks, (block + 1) * rows / blocks);

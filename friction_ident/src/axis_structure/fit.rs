@@ -54,7 +54,8 @@ pub struct StructureFit {
 }
 
 impl StructureFit {
-    /// Applies the fit to a recording, the same one or another: the cross-test.
+    /// Applies the fit to a recording, the same one or another: the cross-test. Where a bristle was
+    /// when a stretch began is taken from that recording.
     ///
     /// # Errors
     /// [`IdentError`] for a recording too short to decimate, without force, or without the position
@@ -62,9 +63,12 @@ impl StructureFit {
     pub fn predict(&self, recording: &Conditioned) -> Result<Prediction, IdentError> {
         let mut regressors = Regressors::new(recording, self.structure, self.position_scale)?;
         let matrix = regressors.matrix(&self.shape)?;
-        let predicted = &matrix * DVector::from_column_slice(&self.linear);
+        let mut predicted = &matrix * DVector::from_column_slice(&self.linear);
+        let mut error = &regressors.force - &predicted;
+        regressors.starts(&self.shape, None)?.leave_out(error.as_mut_slice());
+        predicted.copy_from(&(&regressors.force - &error));
         let friction = &regressors.force - matrix.column(0) * self.linear[0];
-        let residual = (&regressors.force - &predicted).norm();
+        let residual = error.norm();
         Ok(Prediction {
             time: regressors.rows.time(),
             velocity: regressors.velocity(&self.shape),
@@ -164,7 +168,7 @@ impl StructureFit {
 ///
 /// The delay, the Stribeck velocity, the bristle's displacement and the period are searched within
 /// bounds that the recording sets (delay up to ten samples, either way where that explains clearly
-/// more; Stribeck velocity up to a quarter of the largest speed, beyond which the curve cannot be
+/// more; Stribeck velocity up to half of the largest speed, beyond which the curve cannot be
 /// told from viscous friction; displacement up to a tenth of the travel; period from a 200th to twice
 /// the travel).
 ///

@@ -23,6 +23,9 @@ pub(super) struct FrictionCurve {
     near: Vec<f64>,
     /// Derivative of that with respect to the Stribeck velocity.
     near_slope: Vec<f64>,
+    /// What is left of where a bristle began, and its derivative with respect to the displacement;
+    /// empty without a bristle.
+    pub left: [Vec<f64>; 2],
     /// What it is instead where the bristle's limit follows the dip.
     lag: Option<Lag>,
 }
@@ -44,11 +47,9 @@ impl FrictionCurve {
     pub fn of(recording: &Conditioned, structure: &AxisStructure, shape: &Shape) -> Self {
         if structure.lag {
             let (bristle, lag) = Bristle::lugre(recording, shape, structure.damping);
-            let Bristle { sign, sign_slope, rate, rate_slope } = bristle;
-            let lag = Some(lag);
-            return Self { sign, sign_slope, rate, rate_slope, lag, ..Self::default() };
+            return Self { lag: Some(lag), ..Self::from(bristle) };
         }
-        let Bristle { sign, sign_slope, rate, rate_slope } = if structure.presliding {
+        let bristle = if structure.presliding {
             Bristle::dahl(recording, shape.displacement, structure.damping)
         } else {
             let floor = recording.velocity_floor;
@@ -57,7 +58,7 @@ impl FrictionCurve {
         };
         let velocity: &[f64] = if structure.stribeck { &recording.velocity } else { &[] };
         let (near, near_slope) = velocity.iter().map(|v| dip(*v, shape.v_s)).unzip();
-        Self { sign, sign_slope, rate, rate_slope, near, near_slope, lag: None }
+        Self { near, near_slope, ..Self::from(bristle) }
     }
 
     /// What the kinetic level and that at rest are multiplied by; none without a Stribeck curve.
@@ -113,6 +114,13 @@ impl FrictionCurve {
             slope * (level + along[0] * x + along[1] * x * x) + damped
         };
         self.sign.iter().zip(&self.sign_slope).enumerate().map(of).collect()
+    }
+}
+
+impl From<Bristle> for FrictionCurve {
+    fn from(bristle: Bristle) -> Self {
+        let Bristle { sign, sign_slope, rate, rate_slope, left, left_slope } = bristle;
+        Self { sign, sign_slope, rate, rate_slope, left: [left, left_slope], ..Self::default() }
     }
 }
 

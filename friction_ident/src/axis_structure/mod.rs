@@ -48,6 +48,7 @@ mod search;
 mod shape;
 mod sliding;
 mod stability;
+mod start;
 mod waves;
 
 pub use crate::structure::{AxisStructure, UnknownStructure};

@@ -5,12 +5,15 @@
 //! are read after their anti-alias low-pass, which makes interpolation between samples exact to far
 //! below the noise, and lets a new delay cost no filtering.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::AxisStructure;
 use super::friction_curve::{FrictionCurve, Levels};
 use super::rows::Rows;
 use super::shape::{PositionScale, Shape, ShapeTerm};
+use super::start::{FORGOTTEN, Starts};
 use super::waves::Place;
 use crate::IdentError;
 use crate::conditioning::Conditioned;
@@ -21,6 +24,8 @@ use crate::zero_phase::LANES;
 struct Group {
     made_for: Option<[f64; 3]>,
     columns: Vec<Vec<f64>>,
+    /// What is left of how a bristle began, where that is not forgotten; else empty.
+    begun: Vec<f64>,
 }
 
 /// That a regression has too few rows.
@@ -112,6 +117,18 @@ impl<'a> Regressors<'a> {
         Ok(matrix)
     }
 
+    /// What the unknown deflection of the bristle adds at the start of each stretch, on the rows that
+    /// count.
+    pub fn starts(&mut self, shape: &Shape, rows: Option<&[usize]>) -> Result<Starts, IdentError> {
+        self.update_friction(shape)?;
+        let delay = self.advance(shape);
+        if self.friction.begun.is_empty() {
+            return Ok(Starts::default());
+        }
+        let left = self.rows.read(&self.friction.begun, delay);
+        Ok(Starts::of(&left, &self.rows.stretches(), rows))
+    }
+
     /// Derivatives of the predicted force with respect to nonlinear parameters, the linear ones kept;
     /// for that of the delay between two delays \[s\].
     pub fn slopes(
@@ -149,10 +166,22 @@ impl<'a> Regressors<'a> {
         Ok(match term {
             ShapeTerm::Delay => vec![],
             ShapeTerm::StribeckVelocity | ShapeTerm::Displacement => {
+                let begun = match term {
+                    ShapeTerm::Displacement => self.begun(shape, linear)?,
+                    _ => Vec::new(),
+                };
                 let place = std::mem::take(&mut self.place);
                 let curve = self.friction_curve(shape)?;
                 let slope = match term {
-                    ShapeTerm::Displacement => curve.by_displacement(&levels, &place),
+                    ShapeTerm::Displacement => {
+                        let mut slope = curve.by_displacement(&levels, &place);
+                        for (samples, amount) in begun {
+                            let own = slope.get_mut(samples.clone()).unwrap_or_default();
+                            let left = curve.left[1].get(samples).unwrap_or_default();
+                            own.iter_mut().zip(left).for_each(|(to, left)| *to += amount * left);
+                        }
+                        slope
+                    }
                     _ => curve.by_velocity(&levels, &place),
                 };
                 self.place = place;
@@ -169,6 +198,29 @@ impl<'a> Regressors<'a> {
                 position.iter().map(change).collect()
             }
         })
+    }
+
+    /// How far the bristle was from where it is taken to begin \[N or N m\], of each stretch in whose
+    /// rows that is not forgotten, with its samples.
+    fn begun(
+        &mut self,
+        shape: &Shape,
+        linear: &DVector<f64>,
+    ) -> Result<Vec<(Range<usize>, f64)>, IdentError> {
+        let starts = self.starts(shape, None)?;
+        if starts.is_empty() {
+            return Ok(Vec::new());
+        }
+        let predicted = self.matrix(shape)? * linear;
+        let rest = &self.force - predicted;
+        let amounts = starts.amounts(rest.as_slice());
+        let stretches = self.rows.stretches();
+        let samples = |row: usize| {
+            let index = stretches.iter().position(|stretch| stretch.start == row)?;
+            self.rows.samples().get(index).cloned()
+        };
+        let all = amounts.into_iter().filter_map(|(row, amount)| Some((samples(row)?, amount)));
+        Ok(all.collect())
     }
 
     /// The levels of friction among the linear parameters.
@@ -258,7 +310,8 @@ impl<'a> Regressors<'a> {
         }
         let curve = FrictionCurve::of(self.recording, &self.structure, shape);
         let columns = self.rows.smoothed(self.friction_columns(&curve))?;
-        self.friction = Group { made_for: Some(key), columns };
+        let begun = self.rows.smoothed_start(&curve.left[0], FORGOTTEN)?;
+        self.friction = Group { made_for: Some(key), columns, begun };
         self.curve = Some(curve);
         Ok(())
     }
@@ -266,17 +319,19 @@ impl<'a> Regressors<'a> {
     /// Makes the columns of several shapes at once, which is quicker than one after the other. They
     /// are used up as each shape is asked for.
     pub fn prepare(&mut self, shapes: &[Shape]) -> Result<(), IdentError> {
-        let of = |shape| {
-            self.friction_columns(&FrictionCurve::of(self.recording, &self.structure, shape))
-        };
-        let columns: Vec<Vec<Vec<f64>>> = shapes.iter().map(of).collect();
+        let of = |shape| FrictionCurve::of(self.recording, &self.structure, shape);
+        let curves: Vec<FrictionCurve> = shapes.iter().map(of).collect();
+        let columns: Vec<_> = curves.iter().map(|curve| self.friction_columns(curve)).collect();
+        let begun = curves.iter().map(|curve| self.rows.smoothed_start(&curve.left[0], FORGOTTEN));
+        let begun = begun.collect::<Result<Vec<_>, _>>()?;
         let each = columns.first().map_or(0, Vec::len);
         let smooth = self.rows.smoothed(columns.into_iter().flatten().collect())?;
-        let groups = smooth.chunks(each.max(1)).zip(shapes);
+        let groups = smooth.chunks(each.max(1)).zip(shapes).zip(begun);
         self.prepared = groups
-            .map(|(columns, shape)| Group {
+            .map(|((columns, shape), begun)| Group {
                 made_for: Some(friction_key(shape)),
                 columns: columns.to_vec(),
+                begun,
             })
             .collect();
         Ok(())
@@ -324,7 +379,7 @@ impl<'a> Regressors<'a> {
             return Ok(());
         }
         let columns = self.rows.smoothed(self.harmonic_columns(shape))?;
-        self.harmonic = Group { made_for: Some(key), columns };
+        self.harmonic = Group { made_for: Some(key), columns, begun: Vec::new() };
         Ok(())
     }
 

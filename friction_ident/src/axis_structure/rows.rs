@@ -1,6 +1,8 @@
 //! The rows of the regression: samples behind the low-pass of the thinning, one in so many, read as
 //! late as the force acts.
 
+use std::ops::Range;
+
 use super::shape::LONGEST_DELAY;
 use crate::IdentError;
 use crate::conditioning::{Conditioned, Piece};
@@ -8,6 +10,9 @@ use crate::zero_phase::LowPass;
 
 /// Where the low-pass of the thinning ends, as a share of the rate of the rows.
 const PASS: f64 = 0.4;
+
+/// Rows that the low-pass of the thinning remembers.
+const MEMORY: usize = 15;
 
 /// How a recording's samples become rows.
 pub(super) struct Rows<'a> {
@@ -33,6 +38,35 @@ impl<'a> Rows<'a> {
     pub fn pieces(&self) -> Vec<usize> {
         let factor = self.recording.decimate;
         self.recording.pieces.iter().map(|piece| rows_of(piece, factor)).collect()
+    }
+
+    /// The rows of each stretch; its rests are left out of them.
+    pub fn stretches(&self) -> Vec<Range<usize>> {
+        let counts = self.pieces();
+        self.whole(counts.into_iter().scan(0, |first, count| {
+            let own = *first..*first + count;
+            *first = own.end;
+            Some(own)
+        }))
+    }
+
+    /// The kept samples of each stretch.
+    pub fn samples(&self) -> Vec<Range<usize>> {
+        self.whole(self.recording.pieces.iter().map(|piece| piece.kept.clone()))
+    }
+
+    /// The ranges of all pieces, those of one stretch together.
+    fn whole(&self, ranges: impl Iterator<Item = Range<usize>>) -> Vec<Range<usize>> {
+        let mut all: Vec<Range<usize>> = Vec::new();
+        let mut last = None;
+        for (piece, range) in self.recording.pieces.iter().zip(ranges) {
+            match all.last_mut().filter(|_| last == Some(piece.stretch)) {
+                Some(stretch) => stretch.end = range.end,
+                None => all.push(range),
+            }
+            last = Some(piece.stretch);
+        }
+        all
     }
 
     /// Time since the recording's first sample \[s\], of each row.
@@ -71,6 +105,29 @@ impl<'a> Rows<'a> {
             }));
         }
         rows
+    }
+
+    /// A column that dies out from the start of each piece on, after the low-pass of the thinning, as
+    /// far as it is larger than `least`; empty where it is nowhere. The low-pass is spared what is
+    /// zero.
+    pub fn smoothed_start(&self, column: &[f64], least: f64) -> Result<Vec<f64>, IdentError> {
+        let mut smooth = Vec::new();
+        for piece in &self.recording.pieces {
+            let own = column.get(piece.kept.clone()).unwrap_or_default();
+            let lasts = own.iter().take_while(|left| **left > least).count();
+            if lasts == 0 {
+                continue;
+            }
+            smooth.resize(column.len(), 0.0);
+            let memory = MEMORY * self.recording.decimate;
+            let own = own.get(..lasts + memory).unwrap_or(own);
+            let to = smooth.iter_mut().skip(piece.kept.start);
+            match &self.filter {
+                Some(filter) => to.zip(filter.filter(own)?).for_each(|(to, from)| *to = from),
+                None => to.zip(own).for_each(|(to, from)| *to = *from),
+            }
+        }
+        Ok(smooth)
     }
 
     /// Columns after the low-pass of the thinning.

@@ -298,11 +298,15 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Columns and force on the rows that count.
+    /// Columns and force on the rows that count, without how the bristle began.
     fn system(&mut self, shape: &Shape) -> Result<(DMatrix<f64>, DVector<f64>), IdentError> {
         let matrix = self.regressors.matrix(shape)?;
-        let force = self.values_of(&self.regressors.force);
-        Ok((self.rows_of(matrix), force))
+        let starts = self.regressors.starts(shape, self.rows.as_deref())?;
+        let mut matrix = self.rows_of(matrix);
+        let mut force = self.values_of(&self.regressors.force);
+        starts.leave_out_of(&mut matrix);
+        starts.leave_out(force.as_mut_slice());
+        Ok((matrix, force))
     }
 
     fn values_of(&self, column: &DVector<f64>) -> DVector<f64> {
@@ -337,14 +341,17 @@ impl<'a> Search<'a> {
     /// All parameters together, linear ones first, as a minimum of least squares.
     pub fn linearise(&mut self, best: &Best, terms: &[ShapeTerm]) -> Result<Minimum, IdentError> {
         let linear = best.solution.x.clone();
-        let matrix = self.regressors.matrix(&best.shape)?;
+        let mut matrix = self.regressors.matrix(&best.shape)?;
+        let starts = self.regressors.starts(&best.shape, None)?;
+        starts.leave_out_of(&mut matrix);
         let (rows, columns) = matrix.shape();
         let mut jacobian = DMatrix::zeros(rows, columns + terms.len());
         jacobian.columns_mut(0, columns).copy_from(&-matrix);
         let mut x = linear.as_slice().to_vec();
         let mut held = vec![false; columns];
         let slopes = self.slopes(&best.shape, &linear, terms)?;
-        for (j, (&term, slope)) in terms.iter().zip(slopes).enumerate() {
+        for (j, (&term, mut slope)) in terms.iter().zip(slopes).enumerate() {
+            starts.leave_out(slope.as_mut_slice());
             let value = term.value(&best.shape);
             let (low, high) = (term.value(&self.limits.low), term.value(&self.limits.high));
             jacobian.set_column(columns + j, &-slope);
@@ -400,8 +407,11 @@ impl Residuals for Separable<'_, '_> {
         let Some(projection) = Projection::new(matrix) else { return false };
         let (linear, _) = projection.rest(&force);
         let Ok(slopes) = self.search.slopes(&shape, &linear, self.terms) else { return false };
+        let rows = self.search.rows.as_deref();
+        let Ok(starts) = self.search.regressors.starts(&shape, rows) else { return false };
         for (j, (&term, slope)) in self.terms.iter().zip(slopes).enumerate() {
-            let slope = self.search.values_of(&slope) * term.stretch(term.value(&shape));
+            let mut slope = self.search.values_of(&slope) * term.stretch(term.value(&shape));
+            starts.leave_out(slope.as_mut_slice());
             jacobian.set_column(j, &-projection.rest(&slope).1);
         }
         true

@@ -9,6 +9,11 @@ use crate::conditioning::Conditioned;
 /// Longest delay that is considered, and longest lag of the recorded force, in samples.
 pub(crate) const LONGEST_DELAY: usize = 10;
 
+/// Share of the largest speed up to which a Stribeck velocity is looked for, and how much further the
+/// search may go from there.
+const LIKELY: f64 = 0.25;
+const BROADEST: f64 = 2.0;
+
 /// The least `f_s` over `f_c` that a bristle that lags follows, and one over the largest.
 const LEAST_RATIO: f64 = 0.2;
 
@@ -112,7 +117,7 @@ impl Limits {
             },
             high: Shape {
                 delay: LONGEST_DELAY as f64 * recording.time_step,
-                v_s: 0.25 * fastest,
+                v_s: BROADEST * LIKELY * fastest,
                 displacement: 0.1 * travel,
                 period: 2.0 * travel,
                 ratio: 1.0 / LEAST_RATIO,
@@ -126,7 +131,7 @@ impl Limits {
         let middle = |low: f64, high: f64| (low * high).sqrt();
         Shape {
             delay: 0.5 * self.time_step,
-            v_s: middle(self.low.v_s, self.high.v_s),
+            v_s: middle(self.low.v_s, self.high.v_s / BROADEST),
             displacement: middle(self.low.displacement, self.high.displacement),
             period: middle(self.low.period, self.high.period),
             ratio: 1.0,
@@ -136,7 +141,10 @@ impl Limits {
     /// `count` values from end to end: evenly in the logarithm, or in turns per length for a
     /// period.
     pub fn grid(&self, term: ShapeTerm, count: usize) -> Vec<f64> {
-        let (low, high) = (term.value(&self.low), term.value(&self.high));
+        let (low, mut high) = (term.value(&self.low), term.value(&self.high));
+        if term == ShapeTerm::StribeckVelocity {
+            high /= BROADEST;
+        }
         let part = |i: usize| i as f64 / count.saturating_sub(1).max(1) as f64;
         (0..count)
             .map(|i| match term {

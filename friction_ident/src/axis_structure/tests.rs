@@ -410,11 +410,16 @@ const SIGMA1: f64 = 60.0;
 
 /// 20 s of LuGre (Canudas de Wit et al. 1995), integrated finely.
 fn lugre(f_s: f64) -> Conditioned {
+    sampled_lugre(f_s, 1)
+}
+
+/// The same at 1000 Hz, or that many times more slowly.
+fn sampled_lugre(f_s: f64, slower: u32) -> Conditioned {
     let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(4);
-    let (dt, inner) = (1e-3, 20);
-    let fine = dt / f64::from(inner);
+    let (fine, inner) = (5e-5, 20 * slower);
+    let dt = fine * f64::from(inner);
     let (mut place, mut force, mut z) = (vec![], vec![], 0.0f64);
-    for k in 0..20_000 * inner {
+    for k in 0..400_000 {
         let t = f64::from(k) * fine;
         let v = velocity(t + 0.5 * fine);
         let level = F_C + (f_s - F_C) * (-(v / V_S).powi(2)).exp();
@@ -461,6 +466,75 @@ fn the_friction_of_lugre_is_found() {
     near("sigma1", SIGMA1, 0.1);
     let levels = follows.estimates.value("f_s").unwrap() / follows.estimates.value("f_c").unwrap();
     assert!((follows.shape.ratio / levels - 1.0).abs() < 2e-3, "{levels}");
+}
+
+/// At 125 Hz the axis goes half the bristle's reach within a sample, and turns between two. A bristle
+/// that followed each sample's own velocity was half a sample early.
+#[test]
+fn a_bristle_is_found_where_a_sample_is_half_its_reach() {
+    let recording = sampled_lugre(9.0, 8);
+    let fit = fit_structure(&recording, structure("symmetric+damping+lag"), &AxisUnits::LINEAR);
+    let fit = fit.unwrap();
+    let near = |name: &'static str, truth: f64, share: f64| {
+        let found = fit.estimates.get(name).unwrap().value;
+        assert!((found / truth - 1.0).abs() < share, "{name}: {found}");
+    };
+    near("inertia", INERTIA, 0.02);
+    near("f_c", F_C, 0.02);
+    near("f_s", 9.0, 0.04);
+    near("presliding", F_C / SIGMA0, 0.05);
+    near("sigma1", SIGMA1, 0.08);
+}
+
+/// An axis that begins at rest, its bristle deflected by `begin` of its limit.
+fn from_rest(begin: f64, seed: u64) -> Conditioned {
+    let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+    let (dt, inner) = (1e-3, 10);
+    let fine = dt / f64::from(inner);
+    let (mut place, mut force, mut z) = (vec![], vec![], begin);
+    for k in 0..15_000 * inner {
+        let t = f64::from(k) * fine;
+        // It stands for half a second.
+        let moving = (t - 0.5).max(0.0);
+        let rate = 2.0 + 0.1 * seed as f64;
+        let (s, c) = (rate * moving).sin_cos();
+        if k % inner == 0 {
+            let noise = 0.02 * rng.sample::<f64, _>(StandardNormal);
+            place.push(0.2 * (1.0 - c));
+            let acceleration = if t > 0.5 { 0.2 * rate * rate * c } else { 0.0 };
+            force.push(INERTIA * acceleration + 5.0 * z + 8.0 * 0.2 * rate * s + noise);
+        }
+        let v = 0.2 * rate * s;
+        z = v.signum() + (z - v.signum()) * (-v.abs() * fine / 0.02).exp();
+    }
+    let signals = Signals { time_step: dt, position: Some(&place), velocity: None, force: &force };
+    let conditioned = condition(&signals, &Conditioning::for_time_step(dt)).unwrap();
+    conditioned.moving().unwrap().0
+}
+
+/// Most recordings begin at rest, and nobody recorded how far the bristle is deflected there. It was
+/// taken to be at its limit, and its whole first bend was wrong, here and in what was predicted.
+#[test]
+fn a_recording_may_begin_with_the_bristle_anywhere() {
+    let recording = from_rest(0.0, 1);
+    let score = cross_validate(&recording, structure("symmetric+presliding"), 6).unwrap();
+    let fit = fit_structure(&recording, score.structure, &AxisUnits::LINEAR).unwrap();
+    let near = |name: &'static str, truth: f64, share: f64| {
+        let found = fit.estimates.get(name).unwrap().value;
+        assert!((found / truth - 1.0).abs() < share, "{name}: {found}");
+    };
+    near("inertia", INERTIA, 0.005);
+    near("f_c", 5.0, 0.005);
+    near("f_v", 8.0, 0.01);
+    near("presliding", 0.02, 0.01);
+    assert!(fit.relative_error < 0.6 && score.relative_error < 0.6, "{fit:?} {score:?}");
+    let other = from_rest(-0.7, 3);
+    let there = score.tried_on(&recording, &other).unwrap().relative_error;
+    let predicted = fit.predict(&other).unwrap();
+    assert!((there - predicted.relative_error).abs() < 0.1, "{there} {}", predicted.relative_error);
+    assert!(there < 0.6, "{there}");
+    let farthest = predicted.measured.iter().zip(&predicted.predicted).map(|(a, b)| (a - b).abs());
+    assert!(farthest.fold(0.0, f64::max) < 0.4);
 }
 
 /// Twelve times the kinetic level: further than a lag is followed. Its columns would be those of
