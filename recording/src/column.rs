@@ -268,7 +268,9 @@ pub(crate) fn axis_in(name: &str) -> Option<AxisKind> {
     match stem.as_str() {
         "torque" | "motor_torque" | "joint_torque" | "tau" | "angle" | "theta" | "phi"
         | "omega" | "dtheta" => Some(AxisKind::Rotary),
-        "force" | "motor_force" => Some(AxisKind::Linear),
+        "joint_angle" | "winkel" | "drehwinkel" | "drehzahl" | "drehmoment" | "θ" | "φ" | "ω"
+        | "τ" => Some(AxisKind::Rotary),
+        "force" | "motor_force" | "kraft" => Some(AxisKind::Linear),
         _ => None,
     }
 }

@@ -7,6 +7,7 @@ use msgs::friction_msgs::RigMeasurement;
 
 use super::column::Channel;
 use super::layout::Layout;
+use super::remarks::{self, Angle, Read, Remarks, Used};
 use super::rig_clock::{self, RIG_MEASUREMENT};
 use super::sheet::{Cells, Found, Loaded, Missing, Sheet, load};
 use super::timing::{Steps, Timing};
@@ -82,13 +83,15 @@ fn from_table<'a>(
     let mut sheet = Sheet::open(path, &loaded, &columns.layout, "t_s,voltage_V,position_rad")?;
     let timed = sheet.time(columns.time.as_ref())?;
     let voltage = sheet.require(Channel::Voltage, columns.voltage.as_ref())?;
-    let mut position = sheet.optional(Channel::Position, columns.position.as_ref())?;
-    let mut velocity = sheet.optional(Channel::Velocity, columns.velocity.as_ref())?;
+    let position = sheet.optional(Channel::Position, columns.position.as_ref())?;
+    let velocity = sheet.optional(Channel::Velocity, columns.velocity.as_ref())?;
+    let (mut position, mut velocity) = sheet.or_guessed(position, velocity)?;
     let friction = sheet.optional(Channel::Friction, columns.friction.as_ref())?;
+    let (mut used, mut unused) = (Used::Position, None);
     match (&position, &velocity) {
         (None, None) => return Err(sheet.unrecognised(Channel::Position)),
-        (Some(_), Some(_)) if columns.velocity.is_none() => velocity = None,
-        (Some(_), Some(_)) => position = None,
+        (Some(_), Some(_)) if columns.velocity.is_none() => unused = velocity.take(),
+        (Some(_), Some(_)) => (used, unused) = (Used::Velocity, position.take()),
         _ => {}
     }
     let axis = position.as_ref().or(velocity.as_ref()).and_then(|found| found.axis);
@@ -99,21 +102,45 @@ fn from_table<'a>(
         .chain(&velocity)
         .chain(&friction)
         .collect();
-    let Cells { values, lines, rows, blank } = sheet.columns(&wanted, Missing::LeftOut)?;
+    let Cells { values, lines, rows, blank } =
+        sheet.columns_beside(&wanted, Missing::LeftOut, &unused.iter().collect::<Vec<_>>())?;
     let mut values = values.into_iter();
     let mut next = || values.next().unwrap_or_default();
-    let voltage = next();
+    let voltages = next();
+    let mut remarks = Remarks::default();
     let time = match timed {
         Some(timed) => {
             let time = next();
             sheet.check_seconds(&timed, &time)?;
+            remarks.time.scaled = sheet.scale_of(Channel::Time, &timed);
             time
         }
         None => sheet.periods(&rows),
     };
-    let position = position.map(|_| next());
-    let velocity = velocity.map(|_| next());
-    let friction = friction.map(|_| next());
+    let mut positions = position.as_ref().map(|_| next());
+    let velocities = velocity.as_ref().map(|_| next());
+    let frictions = friction.as_ref().map(|_| next());
+    let mut others = unused.as_ref().map(|_| next());
+    // The position that is used, or the one beside a velocity.
+    let place = position.as_ref().or(unused.as_ref().filter(|_| used == Used::Velocity));
+    let places = if position.is_some() { &mut positions } else { &mut others };
+    if let (Some(found), Some(values)) = (place, places.as_mut()) {
+        let wrapped = remarks::unwrap(&time, values, Angle::of(found, axis));
+        remarks.wrapped = wrapped.filter(|_| position.is_some());
+    }
+    let motion = |own: bool| if own { positions.as_deref() } else { others.as_deref() };
+    let speed = velocity.as_ref().or(unused.as_ref().filter(|_| used == Used::Position));
+    let read = Read {
+        sheet: &sheet,
+        time: &time,
+        axis,
+        position: place.zip(motion(position.is_some())),
+        velocity: speed.zip(velocities.as_deref().or(others.as_deref())),
+        used,
+        all: false,
+        force: friction.as_ref().zip(frictions.as_deref()).map(|read| (Channel::Friction, read)),
+    };
+    remarks = read.remarks(remarks);
     let timing = Timing::of(path, &time, steps, |index| sheet.place(lines[index]))?
         .of_one_rate()
         .written_as(blank, sheet.dialect);
@@ -121,13 +148,13 @@ fn from_table<'a>(
     Ok(DrivenRecording {
         path: path.into(),
         time_step: timing.stretches[0].time_step,
-        voltage: channel(voltage),
-        position: position.map(|position| super::position_of(&timing, &position)),
-        velocity: velocity.map(channel),
-        friction: friction.map(channel),
+        voltage: channel(voltages),
+        position: positions.map(|position| super::position_of(&timing, &position)),
+        velocity: velocities.map(channel),
+        friction: frictions.map(channel),
         axis,
         stretches: RecordedStretch::of(&timing, 0),
-        irregularities: timing.irregularities,
+        irregularities: timing.irregularities.remarking(remarks),
         one_cycle_in: 1,
     })
 }

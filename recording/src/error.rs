@@ -98,7 +98,7 @@ pub enum RecordingError {
         channel: Channel,
     },
     /// No column could be recognised for a channel.
-    #[error("{} has no column that is recognised as the {}; its columns are: {present}; name one of them, with a scale where its values are not in {}", path.display(), channel.describe(), channel.unit())]
+    #[error("{} has no column that is recognised as the {}; its columns are: {present}; name one of them (a unit in its name is then converted), with a scale where its values are not in {}", path.display(), channel.describe(), channel.unit())]
     Unrecognised {
         /// The file.
         path: PathBuf,

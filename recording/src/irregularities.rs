@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
+use super::remarks::Remarks;
 use super::sheet::Dialect;
 
 /// What was done to uneven samples.
@@ -72,6 +73,9 @@ pub struct Irregularities {
     pub other_rate: usize,
     /// Samples in them.
     pub other_rate_samples: usize,
+    /// What is to be said of the values.
+    #[serde(skip_serializing_if = "Remarks::is_empty")]
+    pub remarks: Remarks,
 }
 
 impl Irregularities {
@@ -86,6 +90,12 @@ impl Irregularities {
     #[must_use]
     pub(super) const fn without(self, blank: usize) -> Self {
         Self { blank, ..self }
+    }
+
+    /// With what is to be said of the values.
+    #[must_use]
+    pub(super) const fn remarking(self, remarks: Remarks) -> Self {
+        Self { remarks, ..self }
     }
 
     /// What was uneven about two recordings that are taken for one.
@@ -109,6 +119,7 @@ impl Irregularities {
             too_short_samples: self.too_short_samples + other.too_short_samples,
             other_rate: self.other_rate + other.other_rate,
             other_rate_samples: self.other_rate_samples + other.other_rate_samples,
+            remarks: self.remarks.and(other.remarks),
         }
     }
 
@@ -119,7 +130,7 @@ impl Irregularities {
     }
 
     /// In words, as in `3 gaps, 12 samples missing; split into 4 stretches`; none where nothing is
-    /// to be said: pauses between runs are as they should be.
+    /// to be said: pauses between runs are as they should be. Remarks on the values follow.
     #[must_use]
     pub fn describe(&self) -> Option<String> {
         let mut parts: Vec<String> = Vec::new();
@@ -189,7 +200,9 @@ impl Irregularities {
                 "{what} at another rate than most samples have, with {samples}, left out"
             ));
         }
-        (!parts.is_empty()).then(|| format!("{}.", parts.join("; ")))
+        let uneven = (!parts.is_empty()).then(|| parts.join("; "));
+        let said: Vec<String> = uneven.into_iter().chain(self.remarks.sentences()).collect();
+        (!said.is_empty()).then(|| format!("{}.", said.join(". ")))
     }
 
     /// Stretches that the cuts made, used or not.

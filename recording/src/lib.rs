@@ -5,12 +5,11 @@
 //! worked out of what drives the axis; [`drive_error`] is what the drive's constants then leave
 //! uncertain. [`table`] reads CSV, [`rosbag`] reads MCAP bags, [`driven`] reads voltage and motion
 //! from either, [`trajectory`] reads motions at any spacing, [`servo_log`] the JSON logs of a
-//! position-controlled servo; [`sheet`] is how a table is written,
-//! [`mod@column`] how a person names a column, [`units`] which units its name may tell, [`csv_table`] writes
-//! tables, [`timing`] makes evenly
-//! sampled stretches of what was recorded, and [`irregularities`] says what was uneven. The cycles
-//! of a bag stand at the times of the rig's own clock. Whatever is returned has finite values, one
-//! length and SI units.
+//! position-controlled servo; [`sheet`] is how a table is written, [`mod@column`] how a person names
+//! a column, [`units`] which units its name may tell, [`csv_table`] writes tables, [`timing`] makes
+//! evenly sampled stretches of what was recorded, [`irregularities`] says what was uneven, and
+//! [`remarks`] what is to be said of the values. The cycles of a bag stand at the times of the rig's
+//! own clock. Whatever is returned has finite values, one length and SI units.
 
 pub mod bag;
 mod beside;
@@ -28,6 +27,7 @@ pub mod layout;
 pub mod overview;
 #[cfg(feature = "ros")]
 pub mod record;
+pub mod remarks;
 mod rig_clock;
 pub mod rosbag;
 pub mod servo_log;
@@ -49,6 +49,7 @@ pub use column::Column;
 pub use error::RecordingError;
 pub use irregularities::Irregularities;
 pub use joined::joined;
+pub use remarks::Remarks;
 use timing::Timing;
 
 /// Whether a path is a bag: a file of one, or a folder that holds no tables.

@@ -11,9 +11,10 @@ use serde::Serialize;
 use super::column::Channel;
 use super::grid::Input;
 use super::joints::{self, Effort, JointChoice};
+use super::remarks::{self, Angle, Read, Remarks, Used};
 use super::sheet::{Dialect, Found, Loaded, Missing, Sheet, load};
 use super::table::Columns;
-use super::{RecordingError, timing};
+use super::{RecordingError, rosbag, timing};
 use crate::bag::BagReader;
 
 /// Steps longer than so many usual ones are gaps.
@@ -185,7 +186,7 @@ fn table<'a>(
     let mut problems = sheet.left_out().to_vec();
     let mut found: Vec<(Channel, Found)> = Vec::new();
     let joints = sheet.joints();
-    let mut several = false;
+    let (mut several, mut missing) = (false, Vec::new());
     for (channel, named) in [
         (Channel::Time, columns.time.as_ref()),
         (Channel::Position, columns.position.as_ref()),
@@ -197,7 +198,7 @@ fn table<'a>(
     ] {
         match sheet.optional(channel, named) {
             Ok(Some(column)) => found.push((channel, column)),
-            Ok(None) => {}
+            Ok(None) => missing.push(channel),
             Err(error @ (RecordingError::NoColumn { .. } | RecordingError::NoJoint { .. })) => {
                 return Err(error);
             }
@@ -205,6 +206,22 @@ fn table<'a>(
             Err(error) => problems.push(error.to_string()),
         }
     }
+    // As they are read: a motion is guessed where neither position nor velocity has a usual name.
+    let lacks = |channel: Channel| missing.contains(&channel);
+    let still = lacks(Channel::Position) && lacks(Channel::Velocity);
+    for channel in missing.iter().copied() {
+        let wanted = match channel {
+            Channel::Time => columns.layout.period.is_none(),
+            Channel::Position | Channel::Velocity => still,
+            _ => true,
+        };
+        match sheet.guessed(channel) {
+            Ok(Some(column)) if wanted => found.push((channel, column)),
+            Err(error) if wanted => problems.push(error.to_string()),
+            _ => {}
+        }
+    }
+    found.sort_by_key(|(channel, _)| *channel as usize);
     if several {
         let (path, present) = (path.into(), joints.join(", "));
         problems.push(RecordingError::SeveralJoints { path, present }.to_string());
@@ -230,18 +247,53 @@ fn table<'a>(
     let wanted: Vec<&Found> = found.iter().map(|(_, found)| found).collect();
     let read = sheet.columns(&wanted, Missing::LeftOut)?;
     let mut times = columns.layout.period.map(|_| times_of(&sheet.periods(&read.rows)));
-    let mut channels = Vec::new();
-    for ((channel, column), values) in found.into_iter().zip(read.values) {
-        if channel == Channel::Time {
-            match sheet.check_seconds(&column, &values) {
-                Ok(()) => times = Some(times_of(&values)),
-                Err(error) => problems.push(error.to_string()),
+    let axis = of(Channel::Velocity).or(of(Channel::Position)).and_then(|found| found.axis);
+    let axis = axis.or(of(Channel::Force).and_then(|force| force.axis));
+    let mut remarks = Remarks::default();
+    let mut values = read.values;
+    for ((channel, column), values) in found.iter().zip(&mut values) {
+        match (channel, &times) {
+            (Channel::Time, _) => {
+                remarks.time.scaled = sheet.scale_of(*channel, column);
+                match sheet.check_seconds(column, values) {
+                    Ok(()) => times = Some(times_of(values)),
+                    Err(error) => problems.push(error.to_string()),
+                }
             }
+            (Channel::Position, Some(times)) => {
+                let angle = Angle::of(column, axis);
+                remarks.wrapped = remarks::unwrap(&times.values, values, angle);
+            }
+            _ => {}
         }
+    }
+    if let Some(times) = &times {
+        let column = |wanted: Channel| {
+            let all = found.iter().zip(&values);
+            all.filter(|((channel, _), _)| *channel == wanted)
+                .map(|((_, column), values)| (column, &values[..]))
+                .next()
+        };
+        let driving = [Channel::Force, Channel::Friction, Channel::Current].into_iter();
+        let read = Read {
+            sheet: &sheet,
+            time: &times.values,
+            axis,
+            position: column(Channel::Position),
+            velocity: column(Channel::Velocity),
+            used: if columns.velocity.is_some() { Used::Velocity } else { Used::Position },
+            all: true,
+            force: driving.filter_map(|channel| Some((channel, column(channel)?))).next(),
+        };
+        remarks = read.remarks(remarks);
+    }
+    let mut channels = Vec::new();
+    for ((channel, column), values) in found.into_iter().zip(values) {
         let Found { source, written, .. } = column;
         let dated = channel == Channel::Time && sheet.has_dates();
         channels.push(Seen { dated, ..seen(channel, source.name, written, source.scale, values) });
     }
+    problems.extend(remarks.sentences().into_iter().map(|said| format!("{said}.")));
     Ok(Overview {
         path: path.into(),
         dialect: Some(sheet.dialect),
@@ -316,10 +368,18 @@ fn bag(path: &Path, choice: &JointChoice) -> Result<Overview, RecordingError> {
         samples.iter().map(|sample| sample.stamp.saturating_sub(start) as f64 * 1e-9).collect();
     overview.samples = samples.len();
     overview.times = Some(times_of(&since));
+    let mut remarks = Remarks::default();
     for (channel, name, of) in there {
-        let values = samples.iter().filter_map(of).collect();
+        let mut values: Vec<f64> = samples.iter().filter_map(of).collect();
+        if channel == Channel::Position {
+            remarks.wrapped = remarks::unwrap(&since, &mut values, Angle::RADIANS);
+        }
         overview.channels.push(seen(channel, name.to_owned(), None, 1.0, values));
     }
+    let of = |channel| overview.channel(channel).map(|seen| &seen.values[..]);
+    let channels = [Channel::Position, Channel::Velocity, Channel::Force].map(of);
+    let remarks = rosbag::told(remarks, &since, channels);
+    overview.problems.extend(remarks.sentences().into_iter().map(|said| format!("{said}.")));
     Ok(overview.with_motion())
 }
 
@@ -386,6 +446,27 @@ mod tests {
         assert!(found.problems[0].contains("furlongs"), "{:?}", found.problems);
         let motion = found.motion.unwrap();
         assert!((0.4..0.6).contains(&motion.rest) && motion.reversals == 1, "{motion:?}");
+    }
+
+    /// What was done to the values and what looks wrong is told before a fit.
+    #[test]
+    fn remarks_on_the_values_are_told_and_columns_are_guessed() {
+        let mut text = "Zeit (s);Winkel (°);Drehmoment\n".to_owned();
+        for k in 0..400 {
+            let time = format!("{:.2}", 0.01 * f64::from(k)).replace('.', ",");
+            let torque = if k == 50 { 900 } else { k % 7 };
+            text += &format!("{time};{};{torque}\n", (5 * k) % 360);
+        }
+        let found = looked(&text);
+        assert!(
+            (found.channel(Channel::Position).unwrap().greatest - 1995f64.to_radians()).abs()
+                < 1e-9
+        );
+        assert_eq!(found.channel(Channel::Force).unwrap().name, "Drehmoment");
+        let [wraps, spikes] = &found.problems[..] else { panic!("{:?}", found.problems) };
+        assert!(wraps.contains("wraps 5 times by one turn"), "{wraps}");
+        assert!(spikes.contains("900 N m") && spikes.ends_with('.'), "{spikes}");
+        assert!(found.motion.unwrap().backwards == 0.0);
     }
 
     #[test]

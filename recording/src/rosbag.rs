@@ -13,6 +13,7 @@ use msgs::friction_msgs::RigMeasurement;
 
 use super::beside::Beside;
 use super::joints::{self, Effort, Joint, JointChoice};
+use super::remarks::{self, Angle, Both, Remarks, Used, Watched};
 use super::rig_clock::{self, RIG_MEASUREMENT};
 use super::timing::{Steps, Timing};
 use super::{AxisKind, ChannelSource, RecordedStretch, Recording, RecordingError, Sources};
@@ -51,7 +52,7 @@ pub fn read(
         velocity: moved.map(|values| super::all_stretches(&timing, values, None)),
         force: super::all_stretches(&timing, &track.force, None),
         stretches: RecordedStretch::of(&timing, 0),
-        irregularities: timing.irregularities.without(*blank),
+        irregularities: timing.irregularities.without(*blank).remarking(track.remarks),
         axis: Some(AxisKind::Rotary),
         friction_only: track.friction_only,
         sources: Sources {
@@ -95,6 +96,8 @@ pub(super) struct Track {
     pub beside: Vec<Beside>,
     /// Messages without a number where one is needed, left out.
     pub blank: usize,
+    /// What is to be said of the values.
+    pub remarks: Remarks,
 }
 
 /// Reads all messages.
@@ -158,17 +161,47 @@ fn of_joint(path: &Path, bag: &BagReader, choice: &JointChoice) -> Result<Track,
     let position = Some(of(position)).filter(|_| placed);
     let stands = |position: &Vec<f64>| position.windows(2).all(|pair| pair[0] == pair[1]);
     let stamps: Vec<u64> = samples.iter().map(|sample| sample.stamp).collect();
+    let time = times(bag, &stamps)?;
+    let mut position = position.filter(|position| !(moved && stands(position)));
+    let mut remarks = Remarks::default();
+    if let Some(position) = &mut position {
+        remarks.wrapped = remarks::unwrap(&time, position, Angle::RADIANS);
+    }
+    let (velocity, force) = (Some(of(velocity)).filter(|_| moved), of(force));
+    let remarks = told(remarks, &time, [position.as_deref(), velocity.as_deref(), Some(&force)]);
     Ok(Track {
         topic,
         joint: name,
-        time: times(bag, &stamps)?,
-        position: position.filter(|position| !(moved && stands(position))),
-        velocity: Some(of(velocity)).filter(|_| moved),
-        force: of(force),
+        time,
+        position,
+        velocity,
+        force,
         friction_only: effort == Effort::Friction,
         beside,
         blank: all - samples.len(),
+        remarks,
     })
+}
+
+/// With what is to be said of the position, the velocity and the effort of a joint.
+pub(super) fn told(mut found: Remarks, time: &[f64], channels: [Option<&[f64]>; 3]) -> Remarks {
+    let of = |name, unit| move |values| Watched { name, scale: 1.0, unit, values };
+    let [position, velocity, force] = channels;
+    let position = position.map(of("position", "rad"));
+    let velocity = velocity.map(of("velocity", "rad/s"));
+    if let Some(force) = force {
+        found = found.of_force(time, of("effort", "N m")(force));
+    }
+    if let Some(position) = position {
+        found = found.of_position(time, position);
+    }
+    if let Some(velocity) = velocity {
+        found = found.of_velocity(time, velocity, force);
+    }
+    if let (Some(position), Some(velocity)) = (position, velocity) {
+        found = found.compared(time, Both { position, velocity, used: Used::Message });
+    }
+    found
 }
 
 /// The rig's measurement, with what `value` makes of voltage \[V\] and velocity [rad/s].
@@ -202,6 +235,7 @@ fn of_rig(
         friction_only: false,
         beside: vec![],
         blank: 0,
+        remarks: Remarks::default(),
     })
 }
 

@@ -9,6 +9,7 @@ use super::beside::Beside;
 use super::column::Channel;
 use super::grid::Input;
 use super::layout::Layout;
+use super::remarks::{self, Angle, Read, Remarks, Used};
 use super::sheet::{Cells, Dialect, Found, Loaded, Missing, Sheet, load};
 use super::timing::{Steps, Timing};
 use super::{AxisKind, ChannelSource, Column, RecordedStretch, Recording, RecordingError, Sources};
@@ -84,7 +85,7 @@ fn parse<'a>(
         velocity: rows.velocity.map(|velocity| super::all_stretches(&timing, &velocity, None)),
         force: super::all_stretches(&timing, &rows.force, None),
         stretches: RecordedStretch::of(&timing, 0),
-        irregularities: timing.irregularities,
+        irregularities: timing.irregularities.remarking(rows.remarks),
         axis: rows.axis,
         friction_only: false,
         sources: rows.sources,
@@ -115,6 +116,8 @@ pub(super) struct Rows {
     pub blank: usize,
     /// How the table is written.
     pub dialect: Dialect,
+    /// What is to be said of the values.
+    pub remarks: Remarks,
     lines: Vec<u64>,
 }
 
@@ -136,12 +139,15 @@ pub(super) fn rows(
     let time = sheet.time(columns.time.as_ref())?;
     let velocity = sheet.optional(Channel::Velocity, columns.velocity.as_ref())?;
     let position = sheet.optional(Channel::Position, columns.position.as_ref())?;
-    let (position, velocity) = match (position, velocity) {
+    let (position, velocity) = sheet.or_guessed(position, velocity)?;
+    let (position, velocity, unused) = match (position, velocity) {
         (None, None) => return Err(sheet.unrecognised(Channel::Position)),
-        (Some(position), Some(_)) if motion == Motion::One && columns.velocity.is_none() => {
-            (Some(position), None)
+        (Some(position), velocity @ Some(_))
+            if motion == Motion::One && columns.velocity.is_none() =>
+        {
+            (Some(position), None, velocity)
         }
-        (position, velocity) => (position, velocity),
+        (position, velocity) => (position, velocity, None),
     };
     let force = sheet.require(columns.measured.channel(), columns.force.as_ref())?;
     if let Some(motion) = velocity.as_ref().or(position.as_ref()) {
@@ -149,10 +155,12 @@ pub(super) fn rows(
     }
     let wanted: Vec<&Found> =
         [&force].into_iter().chain(&time).chain(&position).chain(&velocity).collect();
-    let Cells { values, lines, rows, blank } = sheet.columns(&wanted, Missing::LeftOut)?;
+    let Cells { values, lines, rows, blank } =
+        sheet.columns_beside(&wanted, Missing::LeftOut, &unused.iter().collect::<Vec<_>>())?;
     let mut values = values.into_iter();
     let mut next = || values.next().unwrap_or_default();
     let forces = next();
+    let time_scaled = time.as_ref().and_then(|time| sheet.scale_of(Channel::Time, time));
     let (times, time) = match time {
         Some(time) => {
             let times = next();
@@ -161,10 +169,35 @@ pub(super) fn rows(
         }
         None => (sheet.periods(&rows), ChannelSource { name: "--period".to_owned(), scale: 1.0 }),
     };
-    let positions = position.as_ref().map(|_| next());
+    let mut positions = position.as_ref().map(|_| next());
     let velocities = velocity.as_ref().map(|_| next());
     let moving = velocity.as_ref().or(position.as_ref());
     let axis = moving.and_then(|found| found.axis).or(force.axis);
+    let other = unused.as_ref().map(|_| next());
+    let mut remarks = Remarks::default();
+    if let (Some(found), Some(values)) = (&position, &mut positions) {
+        remarks.wrapped = remarks::unwrap(&times, values, Angle::of(found, axis));
+    }
+    remarks.time.scaled = time_scaled;
+    let used = match (&unused, columns.velocity.is_some() && motion == Motion::One) {
+        (Some(_), _) => Used::Position,
+        (None, true) => Used::Velocity,
+        (None, false) => Used::Both,
+    };
+    let read = Read {
+        sheet: &sheet,
+        time: &times,
+        axis,
+        position: position.as_ref().zip(positions.as_deref()),
+        velocity: velocity
+            .as_ref()
+            .or(unused.as_ref())
+            .zip(velocities.as_deref().or(other.as_deref())),
+        used,
+        all: false,
+        force: Some((columns.measured.channel(), (&force, &forces))),
+    };
+    let remarks = read.remarks(remarks);
     let named = moving.and_then(|found| sheet.joint_of(found)).map(str::to_owned);
     Ok(Rows {
         time: times,
@@ -181,6 +214,7 @@ pub(super) fn rows(
         beside: beside(path, loaded, columns, named)?,
         blank,
         dialect: sheet.dialect,
+        remarks,
         lines,
     })
 }
@@ -337,6 +371,69 @@ mod tests {
         assert_eq!(recording.velocity, Some(vec![5.0, 6.0, 7.0]));
         let alone = "t_s,velocity_m_s,force_N\n0,5,2\n1,6,2\n2,7,2\n";
         assert_eq!(parsed(alone).unwrap().velocity, Some(vec![5.0, 6.0, 7.0]));
+    }
+
+    /// A tester's angle of an encoder was read as one that flies back.
+    #[test]
+    fn an_angle_that_wraps_goes_on_and_is_told() {
+        let row = |k: i32| {
+            let angle = (4 * k + 180).rem_euclid(360) - 180;
+            format!("{},{angle},1\n", 0.01 * f64::from(k))
+        };
+        let text = format!("t_s,angle_deg,tau_Nm\n{}", (0..200).map(row).collect::<String>());
+        let found = parsed(&text).unwrap();
+        let position = found.position.as_ref().unwrap();
+        assert!((position[199] - 796f64.to_radians()).abs() < 1e-9, "{}", position[199]);
+        let said = found.irregularities.describe().unwrap();
+        assert!(said.contains("wraps 2 times by one turn"), "{said}");
+    }
+
+    /// A tester's position stood behind a gear, and the velocity before it.
+    #[test]
+    fn a_velocity_that_contradicts_the_position_and_a_scale_beside_a_unit_are_told() {
+        let mut text = "t_s,position_deg,velocity_rpm,current_mA\n".to_owned();
+        for k in 0..500 {
+            let t = 0.01 * f64::from(k);
+            let speed = if k == 7 { String::new() } else { format!("{}", 500.0 * (3.0 * t).cos()) };
+            text += &format!("{t},{},{speed},{}\n", 20.0 * (3.0 * t).sin(), (2.0 * t).sin());
+        }
+        let force: Column = "current_mA:0.061".parse().unwrap();
+        let columns = Columns { force: Some(force), ..Columns::default() };
+        let read = |columns: &Columns| {
+            let found = parse(Path::new("x.csv"), text.as_bytes(), columns, 0.05).unwrap();
+            assert_eq!(found.irregularities.blank, usize::from(found.velocity.is_some()));
+            found.irregularities.describe().unwrap()
+        };
+        let said = read(&columns);
+        for part in ["`velocity_rpm` is 50", "The position is used", "0.000061", "the mA of its"] {
+            assert!(said.contains(part), "{said}");
+        }
+        let velocity = Some("velocity_rpm".parse().unwrap());
+        let said = read(&Columns { velocity, ..columns });
+        assert!(said.contains("The velocity is used. If the position is right"), "{said}");
+    }
+
+    #[test]
+    fn spikes_and_flat_tops_are_told_and_no_sample_is_changed() {
+        let mut text = "t_s,q_rad,tau_Nm\n".to_owned();
+        for k in 0..1000 {
+            let t = 0.01 * f64::from(k);
+            let torque = (2.0 * (3.0 * t).sin() + (1.7 * t).cos()).clamp(-1.5, 1.5);
+            let torque = if k == 500 { 999.0 } else { torque };
+            let position = if k == 300 { -80.0 } else { (2.0 * t).sin() };
+            text += &format!("{t},{position},{torque}\n");
+        }
+        let spiked = parsed(&text).unwrap();
+        assert_eq!(spiked.force[500], 999.0);
+        let said = spiked.irregularities.describe().unwrap();
+        assert!(said.contains("1 sample of `tau_Nm`") && said.contains("999 N m"), "{said}");
+        assert!(
+            said.contains("1 sample of `q_rad`") && said.contains("the first at 3 s"),
+            "{said}"
+        );
+        let said = parsed(&text.replace(",999\n", ",0\n")).unwrap().irregularities.describe();
+        let said = said.unwrap();
+        assert!(said.contains("`tau_Nm` is cut at -1.5 and 1.5 N m"), "{said}");
     }
 
     #[test]

@@ -14,6 +14,19 @@ impl Sheet<'_> {
         wanted: &[&Found],
         missing: Missing,
     ) -> Result<Cells, RecordingError> {
+        self.columns_beside(wanted, missing, &[])
+    }
+
+    /// The same with other columns behind them, which take no row away: what is no number in them
+    /// is NaN.
+    pub(in super::super) fn columns_beside(
+        &mut self,
+        wanted: &[&Found],
+        missing: Missing,
+        beside: &[&Found],
+    ) -> Result<Cells, RecordingError> {
+        let needed = wanted.len();
+        let wanted = &[wanted, beside].concat()[..];
         let mut read = Cells {
             values: vec![Vec::new(); wanted.len()],
             lines: Vec::new(),
@@ -26,7 +39,9 @@ impl Sheet<'_> {
         for count in 0.. {
             let Some(line) = self.next_row(&mut record, count)? else { break };
             let mut whole = true;
-            for ((value, found), without) in row.iter_mut().zip(wanted).zip(&mut without) {
+            let cells = row.iter_mut().zip(wanted).zip(&mut without).enumerate();
+            for (index, ((value, found), without)) in cells {
+                let missing = if index < needed { missing } else { Missing::AsNan };
                 match self.value(&record, line, count, found, missing)? {
                     Some(number) => *value = number,
                     None => {
@@ -140,6 +155,7 @@ impl Sheet<'_> {
         match value {
             value if value.is_finite() => Ok(Some(value)),
             value if value.is_nan() && missing == Missing::LeftOut => Ok(None),
+            _ if missing == Missing::AsNan => Ok(Some(f64::NAN)),
             _ => Err(self.no_number(line, found, &written.to_string())),
         }
     }

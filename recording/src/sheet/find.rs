@@ -3,6 +3,7 @@
 use super::named::Named;
 use super::{Found, Sheet};
 use crate::column::{Channel, axis_in};
+use crate::remarks::Scaled;
 use crate::units;
 use crate::{ChannelSource, Column, RecordingError};
 
@@ -13,7 +14,10 @@ impl Sheet<'_> {
         channel: Channel,
         named: Option<&Column>,
     ) -> Result<Found, RecordingError> {
-        self.optional(channel, named)?.ok_or_else(|| self.unrecognised(channel))
+        let found = self.optional(channel, named)?;
+        found
+            .map_or_else(|| self.guessed(channel), |found| Ok(Some(found)))?
+            .ok_or_else(|| self.unrecognised(channel))
     }
 
     /// The column of a channel; none only where it was not named and is not recognised.
@@ -31,11 +35,14 @@ impl Sheet<'_> {
         }
     }
 
-    /// Whether a channel is named or recognised.
+    /// Whether a channel is named or recognised, by a usual name or by the words in one.
     pub(in super::super) fn has(&self, channel: Channel, named: Option<&Column>) -> bool {
-        named.is_some()
-            || !matches!(self.recognised(channel), Ok(None))
-            || self.first_part(channel).is_some()
+        named.is_some() || self.knows(channel) || self.says(channel)
+    }
+
+    /// Whether a channel has one of its usual names.
+    pub(super) fn knows(&self, channel: Channel) -> bool {
+        !matches!(self.recognised(channel), Ok(None)) || self.first_part(channel).is_some()
     }
 
     /// The joints that columns stand for, in their order.
@@ -168,7 +175,7 @@ impl Sheet<'_> {
     }
 
     /// What a column holds.
-    fn found(
+    pub(super) fn found(
         &self,
         channel: Channel,
         index: usize,
@@ -196,6 +203,13 @@ impl Sheet<'_> {
         let written = unit.and(units::parts(stem).unit).map(str::to_owned);
         let (source, clock) = (ChannelSource { name: called, scale }, channel == Channel::Time);
         Ok(Found { index, source, axis, assumed, written, scaled, clock, rest: None })
+    }
+
+    /// What is to be said of a scale that was given for a column.
+    pub(in super::super) fn scale_of(&self, channel: Channel, found: &Found) -> Option<Scaled> {
+        let stem = &self.columns.get(found.index)?.stem;
+        let ChannelSource { name, scale } = &found.source;
+        found.scaled.then(|| Scaled::of(channel, name, stem, *scale)).flatten()
     }
 
     /// A column as it is written.

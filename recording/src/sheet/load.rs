@@ -141,7 +141,7 @@ fn tables_of(folder: &Path) -> Result<Vec<PathBuf>, RecordingError> {
 /// are its joints.
 fn of_text(path: &Path, text: &Loaded<'_>) -> Result<Grid, RecordingError> {
     let mut sheet = Sheet::open(path, text, &Layout::default(), "t_s,position_m,force_N")?;
-    let recognised = Channel::all().iter().any(|channel| sheet.has(*channel, None));
+    let recognised = Channel::all().iter().any(|channel| sheet.knows(*channel));
     let stem = grid::stem(path);
     let named = !sheet.dialect.headerless && recognised;
     let found = (0..sheet.names.len()).map(|index| sheet.raw(index)).collect::<Vec<_>>();

@@ -9,6 +9,7 @@ mod dialect;
 mod encoding;
 mod find;
 mod flow;
+mod guessed;
 mod load;
 mod named;
 mod preamble;
@@ -20,6 +21,7 @@ mod tests;
 mod time;
 mod unit_row;
 mod value;
+mod words;
 
 use std::borrow::Cow;
 use std::io::Cursor;

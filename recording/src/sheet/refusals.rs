@@ -51,7 +51,13 @@ impl Sheet<'_> {
         if self.dialect.headerless {
             return self.no_header();
         }
-        RecordingError::Unrecognised { path: self.path.into(), channel, present: self.present() }
+        let mut present = self.present();
+        let candidates: Vec<&str> =
+            self.candidates(channel).iter().map(|&index| self.names[index].as_str()).collect();
+        if candidates.len() > 1 {
+            present = format!("{present} (it may be {})", candidates.join(" or "));
+        }
+        RecordingError::Unrecognised { path: self.path.into(), channel, present }
     }
 
     /// The names of the columns, and what of the file is none.

@@ -96,7 +96,7 @@ impl Sheet<'_> {
         match (self.optional(Channel::Time, named)?, self.layout.period) {
             (Some(found), None) => Ok(Some(found)),
             (None, Some(_)) => Ok(None),
-            (None, None) => Err(self.unrecognised(Channel::Time)),
+            (None, None) => self.require(Channel::Time, named).map(Some),
             (Some(found), Some(period)) => Err(RecordingError::TimeTwice {
                 path: self.path.into(),
                 column: found.source.name,

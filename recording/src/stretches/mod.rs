@@ -173,7 +173,8 @@ pub fn read<'a>(
         };
         let place = |index: usize| format!("message {} of {}", index + 1, track.topic);
         let without = |mut timing: Timing| {
-            timing.irregularities = timing.irregularities.without(track.blank);
+            let irregularities = timing.irregularities.without(track.blank);
+            timing.irregularities = irregularities.remarking(track.remarks);
             timing
         };
         return cut(path, &samples, Some(AxisKind::Rotary), how, place, without);
@@ -199,7 +200,11 @@ fn parse<'a>(
         velocity: rows.velocity.clone(),
         force: rows.force.clone(),
     };
-    let written = |timing: Timing| timing.written_as(rows.blank, rows.dialect);
+    let written = |timing: Timing| {
+        let mut timing = timing.written_as(rows.blank, rows.dialect);
+        timing.irregularities = timing.irregularities.remarking(rows.remarks);
+        timing
+    };
     cut(path, &samples, rows.axis, how, |index| rows.place(index), written)
 }
 

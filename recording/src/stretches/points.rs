@@ -8,7 +8,7 @@ use super::{FrictionRecording, Preparation};
 use crate::column::Channel;
 use crate::sheet::{Cells, Found, Loaded, Missing, Sheet};
 use crate::table::Columns;
-use crate::{ChannelSource, Irregularities, RecordingError};
+use crate::{ChannelSource, Irregularities, RecordingError, Remarks};
 
 const EXAMPLE: &str = "velocity_rad_s,torque_Nm";
 
@@ -67,6 +67,9 @@ pub(super) fn points(
         });
     }
     let axis = velocity.axis.or(force.axis);
+    let mut remarks = Remarks::default();
+    remarks.velocity.scaled = sheet.scale_of(Channel::Velocity, &velocity);
+    remarks.force.scaled = sheet.scale_of(columns.measured.channel(), &force);
     Ok(FrictionRecording {
         path: path.into(),
         samples: points.len(),
@@ -75,6 +78,8 @@ pub(super) fn points(
         axis,
         outliers: Vec::new(),
         drive_errors,
-        irregularities: Irregularities::default().written_as(blank, sheet.dialect),
+        irregularities: Irregularities::default()
+            .written_as(blank, sheet.dialect)
+            .remarking(remarks),
     })
 }
