@@ -3,7 +3,7 @@
 //! constants), [`servo`] and [`stiction`]; [`look`] shows what a file holds before any of them.
 //!
 //! Each works everything out first; its document is JSON, its page HTML, its terminal text.
-//! [`posterior`] draws from what was found and compares it with what was found elsewhere. [`speeds`] tells where a model was identified; [`asked`] holds the options that the command and requests to the node have in common.
+//! [`posterior`] draws from what was found and compares it with what was found elsewhere. [`speeds`] tells where a model was identified; [`verdict`] why a parameter is not; [`asked`] holds the options that the command and requests to the node have in common.
 
 pub mod asked;
 pub mod axis;
@@ -15,3 +15,4 @@ pub mod rows;
 pub mod servo;
 pub mod speeds;
 pub mod stiction;
+pub mod verdict;

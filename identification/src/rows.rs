@@ -1,7 +1,9 @@
 //! Estimates as a person reads them, a row each.
 
-use friction_ident::{Doubt, Estimate, Verdict};
+use friction_ident::{Estimate, Verdict};
 use report::numbers::value_and_error as with_error;
+
+use crate::verdict::said;
 
 /// Name, value, unit, 95 % interval and verdict of each estimate.
 #[must_use]
@@ -22,12 +24,8 @@ pub fn rows(estimates: &[Estimate]) -> Vec<[String; 5]> {
             };
             let verdict = match &estimate.verdict {
                 Verdict::Identified => "identified".to_owned(),
-                Verdict::NotIdentifiable {
-                    doubt: doubt @ Doubt::NotToBeTrusted { .. },
-                    remedy,
-                } => format!("{doubt}; needs {remedy}"),
                 Verdict::NotIdentifiable { doubt, remedy } => {
-                    format!("not identifiable: {doubt}; needs {remedy}")
+                    format!("{}; needs {remedy}", said(estimate, doubt))
                 }
                 Verdict::Given { source } => format!("given: {source}"),
             };

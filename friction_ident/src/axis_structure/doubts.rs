@@ -66,6 +66,7 @@ pub(super) fn judge(structure: &AxisStructure, estimates: &mut Estimates) {
             estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
         }
     }
+    below(structure, estimates);
     if structure.harmonic {
         let part = |name: &'static str| {
             let estimate = estimates.get(name);
@@ -76,6 +77,23 @@ pub(super) fn judge(structure: &AxisStructure, estimates: &mut Estimates) {
         if effect < CLEAR * standard_error {
             let remedy = "slow motion over many periods of the axis";
             doubt(estimates, "period", Doubt::BelowNoise { effect, standard_error }, remedy);
+        }
+    }
+}
+
+/// A level at rest that is not above the kinetic one is no level at rest: nothing is known of that.
+fn below(structure: &AxisStructure, estimates: &mut Estimates) {
+    for &side in Side::of(structure.asymmetric) {
+        let [f_s, f_c] = ["f_s", "f_c"].map(|name| ParameterId::new(name).side(side));
+        let Some((low, high)) = estimates.value(f_s).zip(estimates.value(f_c)) else { continue };
+        if let Some(estimate) = estimates.get_mut(f_s)
+            && low <= high
+            && estimate.is_identified()
+        {
+            let why = format!("{f_s} lies below {f_c}: a dip is not what this recording shows");
+            let remedy = "slow motion: steady speeds below and around the dip";
+            let doubt = Doubt::NotToBeTrusted { why };
+            estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
         }
     }
 }
@@ -98,5 +116,41 @@ fn doubt(estimates: &mut Estimates, name: &'static str, doubt: Doubt, remedy: &'
         && estimate.verdict == Verdict::Identified
     {
         estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::{Estimate, Interval, IntervalMethod};
+
+    /// A level at rest of 0.358 was called identified, below a kinetic level of 0.405.
+    #[test]
+    fn a_level_at_rest_below_the_kinetic_one_is_not_identified() {
+        let structure = AxisStructure { stribeck: true, ..AxisStructure::SYMMETRIC };
+        let verdict = |f_s: f64| {
+            let one = |name: &'static str, value: f64| Estimate {
+                id: name.into(),
+                unit: "N m",
+                value,
+                standard_error: Some(0.03),
+                interval: Some(Interval {
+                    low: value - 0.06,
+                    high: value + 0.06,
+                    method: IntervalMethod::Robust,
+                }),
+                verdict: Verdict::Identified,
+            };
+            let parameters = vec![one("f_c", 0.405), one("f_s", f_s)];
+            let mut estimates = Estimates { parameters, ..Estimates::default() };
+            judge(&structure, &mut estimates);
+            estimates.get("f_s").unwrap().verdict.clone()
+        };
+        let below = verdict(0.358);
+        assert!(
+            matches!(&below, Verdict::NotIdentifiable { doubt: Doubt::NotToBeTrusted { why }, .. } if why.starts_with("f_s lies below f_c")),
+            "{below:?}"
+        );
+        assert_eq!(verdict(0.45), Verdict::Identified);
     }
 }

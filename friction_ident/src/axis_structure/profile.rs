@@ -4,6 +4,7 @@
 //! stays below a limit (Bates and Watts 1988, chapter 6): where the model is straight, the interval
 //! is then that of the parameter's robust error and Student's quantile.
 
+use super::at_bound;
 use super::left_out::Whole;
 use super::search::{Best, Search};
 use super::shape::{Shape, ShapeTerm};
@@ -20,8 +21,8 @@ const SHORT: f64 = 0.1;
 /// How far the logarithm of another parameter may be expected to move at once.
 const LEAP: f64 = 0.5;
 
-/// Replaces the linearised intervals of the nonlinear parameters. `rises` says how far the sum of
-/// squares may rise within the interval of each parameter.
+/// Replaces the linearised intervals of the nonlinear parameters, and says what helps at a bound.
+/// `rises` says how far the sum of squares may rise within the interval of each parameter.
 pub(super) fn intervals(
     search: &mut Search,
     best: &Best,
@@ -32,6 +33,7 @@ pub(super) fn intervals(
     let least = best.solution.residual.norm_squared();
     let terms = ShapeTerm::of(&search.structure);
     let first = estimates.parameters.len().saturating_sub(terms.len());
+    at_bound::remedies(&terms, &search.limits, &mut estimates.parameters[first..]);
     let nonlinear = estimates.parameters[first..].iter_mut().zip(&rises[first..]);
     for (term, (estimate, rise)) in terms.into_iter().zip(nonlinear) {
         // Without an error of its own the interval has no end.

@@ -15,6 +15,10 @@ use super::shape::{LONGEST_DELAY, ShapeTerm};
 use crate::estimate::{Doubt, Estimate, Estimates, Verdict};
 use crate::finite::finite;
 
+/// What helps one that moves.
+const THROUGHOUT: &str = "a longer recording in which the effect shows throughout";
+/// What helps one that is about zero.
+const LARGER: &str = "motion in which it is larger against the rest of the force, if the axis has it at all";
 /// Parts of the recording, each left out once.
 const PARTS: usize = 8;
 /// Rows that each parameter needs in what is left.
@@ -66,15 +70,13 @@ pub(super) fn judge(search: &mut Search, best: &Best, whole: &Whole, estimates: 
         }
     }
     for (estimate, moved) in estimates.parameters.iter_mut().zip(parameters) {
-        if moved.too_far {
-            doubt(estimate, Doubt::Unsteady { low: moved.low, high: moved.high });
-        }
+        moved.judge(estimate);
     }
     if terms.contains(&ShapeTerm::Period)
         && let Some((low, high)) = periods(search, best, rows)
         && let Some(period) = estimates.get_mut("period")
     {
-        doubt(period, Doubt::Unsteady { low, high });
+        doubt(period, Doubt::Unsteady { low, high }, THROUGHOUT);
     }
     search.rows = None;
 }
@@ -84,12 +86,15 @@ pub(super) fn judge(search: &mut Search, best: &Best, whole: &Whole, estimates: 
 struct Moved {
     low: f64,
     high: f64,
-    too_far: bool,
+    /// Beyond its interval.
+    leaves: bool,
+    /// To the other side of zero, where it cannot be.
+    turns: bool,
 }
 
 impl Default for Moved {
     fn default() -> Self {
-        Self { low: f64::INFINITY, high: f64::NEG_INFINITY, too_far: false }
+        Self { low: f64::INFINITY, high: f64::NEG_INFINITY, leaves: false, turns: false }
     }
 }
 
@@ -99,12 +104,23 @@ impl Moved {
     fn see(&mut self, estimate: &Estimate, value: f64, wider: f64) {
         (self.low, self.high) = (self.low.min(value), self.high.max(value));
         let signed = SIGNED.contains(&estimate.id.name);
-        let turns = !signed && value * estimate.value < 0.0;
-        let leaves = estimate.interval.is_some_and(|all| {
+        self.turns |= !signed && value * estimate.value < 0.0;
+        self.leaves |= estimate.interval.is_some_and(|all| {
             let reach = if value < estimate.value { all.low } else { all.high };
             (value - estimate.value).abs() > MANY * wider.max(1.0) * (reach - estimate.value).abs()
         });
-        self.too_far |= turns || leaves;
+    }
+
+    /// What that says: one that only changes its sign, within its interval, is about zero, and moves
+    /// no further than its error lets it.
+    fn judge(&self, estimate: &mut Estimate) {
+        if self.leaves {
+            doubt(estimate, Doubt::Unsteady { low: self.low, high: self.high }, THROUGHOUT);
+        } else if self.turns {
+            let standard_error = estimate.standard_error.unwrap_or(0.5 * (self.high - self.low));
+            let effect = estimate.value;
+            doubt(estimate, Doubt::BelowNoise { effect, standard_error }, LARGER);
+        }
     }
 }
 
@@ -134,7 +150,7 @@ fn periods(search: &mut Search, best: &Best, rows: usize) -> Option<(f64, f64)> 
     differ.then(|| (first.min(second), first.max(second)))
 }
 
-fn doubt(estimate: &mut Estimate, doubt: Doubt) {
+fn doubt(estimate: &mut Estimate, doubt: Doubt, remedy: &'static str) {
     // That it moves says more than that its error is large or a guess.
     let vague = matches!(
         estimate.verdict,
@@ -147,7 +163,40 @@ fn doubt(estimate: &mut Estimate, doubt: Doubt) {
             }
     );
     if vague {
-        let remedy = "a longer recording in which the effect shows throughout";
         estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::{Interval, IntervalMethod};
+
+    /// Friction of an axis that has none changed its sign between parts, and was said not to be the
+    /// same in all parts.
+    #[test]
+    fn friction_about_zero_is_not_called_unsteady() {
+        let verdict = |values: [f64; 2]| {
+            let interval = Interval { low: -0.8, high: 1.0, method: IntervalMethod::Robust };
+            let mut estimate = Estimate {
+                id: "f_c".into(),
+                unit: "N m",
+                value: 0.1,
+                standard_error: Some(0.45),
+                interval: Some(interval),
+                verdict: Verdict::Identified,
+            };
+            let mut moved = Moved::default();
+            values.iter().for_each(|value| moved.see(&estimate, *value, 1.0));
+            moved.judge(&mut estimate);
+            match estimate.verdict {
+                Verdict::NotIdentifiable { doubt, .. } => Some(doubt),
+                _ => None,
+            }
+        };
+        let zero = Doubt::BelowNoise { effect: 0.1, standard_error: 0.45 };
+        assert_eq!(verdict([-0.1, 0.3]), Some(zero));
+        assert_eq!(verdict([-0.1, 3.0]), Some(Doubt::Unsteady { low: -0.1, high: 3.0 }));
+        assert_eq!(verdict([0.05, 0.3]), None);
     }
 }

@@ -1,0 +1,81 @@
+//! What helps where a nonlinear parameter lies at a bound: the lower one and the upper one ask for
+//! the opposite.
+
+use super::shape::{Limits, ShapeTerm};
+use crate::estimate::{Doubt, Estimate, Verdict};
+
+const BROAD: &str = "faster motion: the dip is as broad as the search allows, a quarter of the fastest speed, and what lies beyond it hardly shows";
+const LAGS: &str = "a force that is recorded nearer to the motor: the motion follows it later than the search allows, ten samples, as behind a low-pass or a slow bus";
+const COMES_LATE: &str = "a force that is recorded earlier in its chain, before a low-pass or a slow bus: it comes later than the motion by more than the search allows, ten samples";
+const GRADUAL: &str = "motion over more of the travel: friction rises over as much of it as the search allows, a tenth";
+const FINE: &str = "slow motion over less of the travel: the force repeats after less than the search allows, a two-hundredth of it";
+
+/// Puts that beside each of `estimates`, those of `terms`, whose best value is a bound itself.
+pub(super) fn remedies(terms: &[ShapeTerm], limits: &Limits, estimates: &mut [Estimate]) {
+    for (term, estimate) in terms.iter().zip(estimates) {
+        if let Verdict::NotIdentifiable { doubt: Doubt::AtBound { bound }, remedy } =
+            &mut estimate.verdict
+            && let Some(better) = at(*term, limits, *bound)
+        {
+            *remedy = better;
+        }
+    }
+}
+
+/// The remedy at a bound; none where the usual one helps.
+fn at(term: ShapeTerm, limits: &Limits, bound: f64) -> Option<&'static str> {
+    let [low, high] = [&limits.low, &limits.high].map(|end| term.unknown(term.value(end)));
+    let upper = term.unknown(bound) > 0.5 * (low + high);
+    match term {
+        ShapeTerm::Delay if bound > 0.0 => Some(LAGS),
+        // No delay at all is a bound too where a late force is not believed.
+        ShapeTerm::Delay if bound < 0.0 => Some(COMES_LATE),
+        ShapeTerm::StribeckVelocity if upper => Some(BROAD),
+        ShapeTerm::Displacement if upper => Some(GRADUAL),
+        ShapeTerm::Period if !upper => Some(FINE),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::naming::{AxisUnits, unknowns};
+    use super::super::tests::stribeck_axis;
+    use super::*;
+
+    /// A dip that is too broad was told to move slowly, and a force that lags to be sampled faster.
+    #[test]
+    fn each_bound_has_its_own_remedy() {
+        let limits = Limits::of(&stribeck_axis());
+        let structure = "symmetric+stribeck+presliding+delay+harmonic".parse().unwrap();
+        let terms = ShapeTerm::of(&structure);
+        let usual = unknowns(&structure, &AxisUnits::LINEAR);
+        let usual = &usual[usual.len() - terms.len()..];
+        let remedy = |term: ShapeTerm, bound: f64| {
+            let place = terms.iter().position(|other| *other == term).unwrap();
+            let mut all: Vec<Estimate> = usual
+                .iter()
+                .map(|unknown| Estimate::given(unknown.id, unknown.unit, bound, ""))
+                .collect();
+            let doubt = Doubt::AtBound { bound };
+            let remedy = usual[place].remedy;
+            all[place].verdict = Verdict::NotIdentifiable { doubt, remedy };
+            remedies(&terms, &limits, &mut all);
+            match all[place].verdict {
+                Verdict::NotIdentifiable { remedy, .. } => remedy,
+                _ => "",
+            }
+        };
+        let velocity = ShapeTerm::StribeckVelocity;
+        assert!(remedy(velocity, limits.high.v_s).starts_with("faster motion"));
+        assert!(remedy(velocity, limits.low.v_s).starts_with("slow motion"));
+        assert!(remedy(ShapeTerm::Delay, limits.high.delay).contains("nearer to the motor"));
+        assert!(remedy(ShapeTerm::Delay, limits.low.delay).contains("earlier in its chain"));
+        assert!(remedy(ShapeTerm::Delay, 0.0).contains("sampled faster"));
+        let displacement = ShapeTerm::Displacement;
+        assert!(remedy(displacement, limits.high.displacement).contains("more of the travel"));
+        assert!(remedy(displacement, limits.low.displacement).contains("small oscillations"));
+        assert!(remedy(ShapeTerm::Period, limits.low.period).contains("less of the travel"));
+        assert!(remedy(ShapeTerm::Period, limits.high.period).contains("whole axis"));
+    }
+}
