@@ -3,8 +3,8 @@
 use friction_ident::{Doubt, Estimate};
 use report::numbers::significant;
 
-/// Parameters of friction: of one that is about zero, that is what is to be said.
-const FRICTION: [&str; 4] = ["f_v", "f_c", "f_s", "sigma1"];
+/// Parameters that an axis may be without: of one that is about zero, that is what is to be said.
+const ABSENT: [&str; 5] = ["inertia", "f_v", "f_c", "f_s", "sigma1"];
 
 /// What is not known and why, without what helps against it.
 #[must_use]
@@ -61,9 +61,9 @@ pub fn why(estimate: &Estimate, doubt: &Doubt) -> String {
     }
 }
 
-/// Whether it is friction whose interval holds zero.
+/// Whether it is one of these whose interval holds zero.
 fn is_about_zero(estimate: &Estimate) -> bool {
-    FRICTION.contains(&estimate.id.name)
+    ABSENT.contains(&estimate.id.name)
         && estimate.interval.is_some_and(|interval| interval.contains(0.0))
 }
 

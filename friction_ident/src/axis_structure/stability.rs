@@ -18,7 +18,8 @@ use crate::finite::finite;
 /// What helps one that moves.
 const THROUGHOUT: &str = "a longer recording in which the effect shows throughout";
 /// What helps one that is about zero.
-const LARGER: &str = "motion in which it is larger against the rest of the force, if the axis has it at all";
+const LARGER: &str =
+    "motion in which it is larger against the rest of the force, if the axis has it at all";
 /// Parts of the recording, each left out once.
 const PARTS: usize = 8;
 /// Rows that each parameter needs in what is left.

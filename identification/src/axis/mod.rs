@@ -5,6 +5,7 @@
 //! the ROS parameter file, [`terminal`] the text, `friction` friction models from recordings of
 //! friction, and `output` puts files on the disk all at once or not at all.
 
+mod along;
 mod band;
 mod beside;
 pub mod document;
@@ -385,7 +386,9 @@ fn doubts(fit: &AxisFit) -> Vec<String> {
             // An offset of about zero is a finding, not a failure.
             continue;
         }
-        if estimate.is_impossible() {
+        if estimate.is_impossible() && -estimate.value <= estimate.half_width {
+            doubts.push(format!("In the {model} model {what} is not different from zero."));
+        } else if estimate.is_impossible() {
             doubts.push(format!(
                 "In the {model} model {what} comes out negative, which it cannot be, and is not identified; the model is too simple \
                  for this axis, or the recording too poor."
@@ -407,10 +410,7 @@ pub fn unit(term: AxisTerm, axis: AxisKind) -> &'static str {
         AxisTerm::Viscous | AxisTerm::ViscousPositive | AxisTerm::ViscousNegative => {
             axis.viscous_unit()
         }
-        AxisTerm::Spring => match axis {
-            AxisKind::Linear => "N/m",
-            AxisKind::Rotary => "N m/rad",
-        },
+        AxisTerm::Spring => along::stiffness_unit(axis),
         _ => axis.force_unit(),
     }
 }

@@ -4,10 +4,11 @@
 //! model's are taken, because the observer's friction is odd in the velocity. The inertia stands in
 //! a comment: it belongs to no node.
 
-use friction_ident::AxisTerm;
 use friction_ident::robust_covariance::METHOD;
+use friction_ident::{AxisTerm, TermEstimate};
 use parameters::ParameterValue;
-use parameters::file::{Writer, number};
+use parameters::file::Writer;
+use report::numbers::{significant, value_and_error};
 
 use super::{Identification, unit};
 use crate::speeds;
@@ -29,7 +30,7 @@ pub fn render(found: &Identification, name: &str) -> String {
     }
     for estimate in &fit.terms {
         let (term, unit) = (estimate.term.describe(), unit(estimate.term, axis));
-        let (value, error) = (number(estimate.value), number(estimate.standard_error));
+        let (value, error) = short(estimate);
         let doubt = estimate.doubt.map_or_else(String::new, |_| ", not to be trusted".to_owned());
         file.comment(&format!("{term}: {value} {unit}, standard error {error}{doubt}"));
     }
@@ -39,10 +40,10 @@ pub fn render(found: &Identification, name: &str) -> String {
             "not identified: it came out below zero".to_owned()
         }
         Some(estimate) if estimate.is_identifiable() => {
-            format!("identified, +- {}", number(estimate.standard_error))
+            format!("identified, +- {}", short(&estimate).1)
         }
         Some(estimate) if estimate.doubt.is_some() => {
-            format!("+- {}, which is not to be trusted", number(estimate.standard_error))
+            format!("+- {}, which is not to be trusted", short(&estimate).1)
         }
         _ => "not identifiable from this recording".to_owned(),
     };
@@ -53,11 +54,19 @@ pub fn render(found: &Identification, name: &str) -> String {
         file.value(&format!("{model}.{name}"), ParameterValue::Double(value), said);
     };
     if coulomb > 0.0 {
-        say("f_s", coulomb, "no Stribeck dip in this model, so f_s is f_c and v_s has no effect");
+        say("f_s", coulomb, "a copy of f_c: no Stribeck dip in this model, and v_s has no effect");
         say("f_c", coulomb, &origin(AxisTerm::Coulomb));
         say("v_s", NO_DIP_V_S, "not identified, without effect");
         say("delta", 2.0, "not identified, without effect");
     }
     say("f_v", viscous, &origin(AxisTerm::Viscous));
     file.text()
+}
+
+/// Value and error with as many digits as they deserve.
+fn short(estimate: &TermEstimate) -> (String, String) {
+    match value_and_error(estimate.value, estimate.standard_error) {
+        (value, error) if error.is_empty() => (value, significant(estimate.standard_error, 2)),
+        both => both,
+    }
 }

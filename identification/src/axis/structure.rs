@@ -9,8 +9,9 @@ use friction_ident::axis_structure::{
     blocks_for, choose, cross_validate_beside, fit_structure, fit_validated, growth,
 };
 use friction_ident::one_speed::one_speed;
-use friction_ident::{Conditioned, IdentError, ParameterId, Prediction, adequacy};
+use friction_ident::{Conditioned, IdentError, ParameterId, Prediction, Side, adequacy};
 
+use super::along::Along;
 use recording::AxisKind;
 use report::numbers::significant;
 use work::progress::Progress;
@@ -87,6 +88,8 @@ pub struct Structured {
     pub warnings: Vec<String>,
     /// Whether one of them says that friction changed while it was recorded.
     pub drifts: bool,
+    /// Units.
+    pub axis: AxisKind,
 }
 
 impl Structured {
@@ -117,8 +120,26 @@ impl Structured {
                 best.structure
             )
         });
-        sliding.into_iter().chain(self.fit.notes()).chain(rise).collect()
+        let along = Along::of(&self.fit, self.axis).map(|along| along.note());
+        let own = self.fit.notes();
+        let new = |below: &String| !own.iter().any(|note| note.starts_with(below));
+        let said = |below: String| {
+            format!(
+                "{below}: a dip is not what this recording shows. The parameter file has f_c for both."
+            )
+        };
+        let below: Vec<String> = below(&self.fit).filter(new).map(said).collect();
+        sliding.into_iter().chain(along).chain(below).chain(own).chain(rise).collect()
     }
+}
+
+/// Of each direction whose level at rest is not above the kinetic one, that it lies below.
+fn below(fit: &StructureFit) -> impl Iterator<Item = String> {
+    Side::of(fit.structure.asymmetric).iter().filter_map(|&side| {
+        let [f_s, f_c] = ["f_s", "f_c"].map(|name| ParameterId::new(name).side(side));
+        let levels = fit.estimates.value(f_s).zip(fit.estimates.value(f_c));
+        levels.filter(|(low, high)| low <= high).map(|_| format!("{f_s} lies below {f_c}"))
+    })
 }
 
 /// Units of an axis.
@@ -223,7 +244,17 @@ pub fn structured(
     let warnings = doubts.iter().map(|doubt| format!("The structure {name} {doubt}.")).collect();
     let drifts = doubts.iter().any(|doubt| matches!(doubt, FitDoubt::Drifts { .. }));
     let (estimation, validation) = (here, there);
-    Ok(Some(Structured { scores, refused, choice, fit, estimation, validation, warnings, drifts }))
+    Ok(Some(Structured {
+        scores,
+        refused,
+        choice,
+        fit,
+        estimation,
+        validation,
+        warnings,
+        drifts,
+        axis,
+    }))
 }
 
 /// The relative error \[%\] that the recording by itself promises, and the mean square of its force.

@@ -7,6 +7,7 @@ use friction_ident::robust_covariance::METHOD;
 use friction_ident::{IdentError, Prediction};
 use serde_json::{Value, json};
 
+use super::along::Along;
 use super::structure::Structured;
 use crate::rows::rows;
 use recording::AxisKind;
@@ -30,8 +31,9 @@ pub fn blocks(found: &Structured, axis: AxisKind, warned: &[AxisStructure]) -> V
     blocks.push(Block::Table(Table {
         title: format!("Parameters of {}", found.fit.structure),
         caption: format!(
-            "Standard errors: {METHOD}. Intervals of delay, v_s, presliding and period are those of the profile of the sum of squares, as wide as these errors ask.{}",
-            harmonic(found)
+            "Standard errors: {METHOD}. Intervals of delay, v_s, presliding and period are those of the profile of the sum of squares, as wide as these errors ask.{}{}",
+            harmonic(found),
+            Along::of(&found.fit, axis).map_or(String::new(), |along| format!(" {}", along.travel()))
         ),
         columns: ["parameter", "value", "unit", "95 % interval", "verdict"].map(str::to_owned).to_vec(),
         rows: rows(&found.fit.estimates.parameters).into_iter().map(|row| row.to_vec()).collect(),
@@ -289,6 +291,7 @@ pub fn document(found: &Structured) -> Value {
         "parameters": found.fit.estimates,
         "relative_error_percent": found.fit.relative_error,
         "effective_share": found.fit.effective_share,
+        "travel": Along::of(&found.fit, found.axis).map(|along| along.document()),
         "standard_errors": METHOD,
         "cross_test_relative_error_percent": found.validation.as_ref().map(|other| other.relative_error),
         "cross_test_stretches_s": found.validation.as_ref().map(Prediction::stretches),

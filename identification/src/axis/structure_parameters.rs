@@ -11,12 +11,15 @@ use friction_ident::{Estimate, ParameterId, Side, Verdict};
 use friction_model::{AnyModel, AnyParameters, ModelError, ModelName};
 use friction_observer::parameters::model_parameters;
 use parameters::ParameterValue;
-use parameters::file::{Writer, number};
+use parameters::file::Writer;
+use report::numbers::{significant, value_and_error};
 
 use recording::AxisKind;
 
+use super::along::Along;
 use super::structure::Structured;
 use crate::speeds;
+use crate::verdict::why;
 
 /// Stribeck velocity of a curve without a dip: any positive number does.
 const NO_DIP_V_S: f64 = 0.1;
@@ -49,10 +52,11 @@ pub fn render(
         fit.structure
     ));
     for estimate in &fit.estimates.parameters {
-        let Estimate { id, unit, value, .. } = estimate;
-        file.comment(&format!("{id}: {} {unit}, {}", number(*value), said(estimate)));
+        let Estimate { id, unit, .. } = estimate;
+        file.comment(&format!("{id}: {} {unit}, {}", short(estimate).0, said(estimate)));
     }
-    for note in notes(fit) {
+    let along = Along::of(fit, axis).map(|along| along.note());
+    for note in along.into_iter().chain(notes(fit)) {
         file.comment(&note);
     }
     file.node("/friction_observer");
@@ -138,24 +142,53 @@ fn below_zero(fit: &StructureFit, id: ParameterId) -> Option<String> {
 fn origin(fit: &StructureFit, path: &str) -> String {
     let mut parts = path.rsplit('.');
     let (name, side) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default());
-    let estimate = |text: &str| {
-        fit.estimates.parameters.iter().find(|estimate| estimate.id.to_string() == text)
+    let estimate = |name: &str| {
+        let of = |text: &str| {
+            fit.estimates.parameters.iter().find(|estimate| estimate.id.to_string() == text)
+        };
+        of(&format!("{name}.{side}")).or_else(|| of(name))
     };
-    let found = estimate(&format!("{name}.{side}")).or_else(|| estimate(name));
+    let found = estimate(name);
+    let levels = estimate("f_s").zip(estimate("f_c"));
+    if let Some((low, high)) = levels.filter(|(low, high)| low.value <= high.value) {
+        let (low, high) = (low.id, high.id);
+        match name {
+            "f_s" => {
+                return format!(
+                    "a copy of f_c: {low} lies below {high}, a dip is not what this recording shows"
+                );
+            }
+            "v_s" => return format!("without effect: {low} lies below {high}"),
+            _ => {}
+        }
+    }
     match (name, found) {
+        ("f_v" | "sigma1", Some(estimate)) if estimate.value < 0.0 => {
+            format!("0 in place of {}, which is below zero", significant(estimate.value, 3))
+        }
         (_, Some(estimate)) => said(estimate),
-        ("f_s" | "v_s", None) => "no Stribeck dip in this structure: without effect".to_owned(),
+        ("f_s", None) => "a copy of f_c: no Stribeck dip in this structure".to_owned(),
+        ("v_s", None) => "no Stribeck dip in this structure: without effect".to_owned(),
         ("sigma1", None) => "no damping of the bristle in this structure".to_owned(),
         ("sigma0", None) => "the Coulomb level over the displacement of pre-sliding".to_owned(),
         _ => "not identified".to_owned(),
     }
 }
 
+/// Value and error with as many digits as they deserve; the error is empty where there is none.
+fn short(estimate: &Estimate) -> (String, String) {
+    value_and_error(estimate.value, estimate.standard_error.unwrap_or(f64::NAN))
+}
+
 fn said(estimate: &Estimate) -> String {
-    let error = estimate.standard_error.map(|error| format!(", +- {}", number(error)));
     match &estimate.verdict {
-        Verdict::Identified => format!("identified{}", error.unwrap_or_default()),
-        Verdict::NotIdentifiable { doubt, .. } => format!("not identified: {doubt}"),
+        Verdict::Identified => match short(estimate).1 {
+            error if error.is_empty() => "identified".to_owned(),
+            error => format!("identified, +- {error}"),
+        },
+        Verdict::NotIdentifiable { doubt, .. } => {
+            format!("not identified: {}", why(estimate, doubt))
+        }
         Verdict::Given { source } => format!("not estimated: {source}"),
     }
 }
@@ -186,12 +219,16 @@ mod tests {
         condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap()
     }
 
-    fn file(names: &str) -> String {
+    fn found(names: &str) -> Structured {
         let wanted: StructureChoice = names.parse().unwrap();
         let (progress, cancel) =
             (Progress::counting(1, "structures", true), AtomicBool::new(false));
         let found = structured(&axis(), None, &wanted, AxisKind::Linear, &progress, &cancel);
-        render(&found.unwrap().unwrap(), "axis.csv", AxisKind::Linear).unwrap()
+        found.unwrap().unwrap()
+    }
+
+    fn file(names: &str) -> String {
+        render(&found(names), "axis.csv", AxisKind::Linear).unwrap()
     }
 
     fn value(file: &str, name: &str) -> f64 {
@@ -214,5 +251,28 @@ mod tests {
         let text = file("symmetric");
         assert!(!text.contains("backward"), "{text}");
         assert!((value(&text, "f_c") - 7.0).abs() < 0.3, "{text}");
+    }
+    /// The copied f_c was called `identified`, with the error of the f_s that was not written.
+    #[test]
+    fn a_copied_value_says_so() {
+        let mut found = found("symmetric+stribeck");
+        let f_c = found.fit.estimates.value("f_c").unwrap();
+        found.fit.estimates.get_mut("f_s").unwrap().value = 0.9 * f_c;
+        let text = render(&found, "axis.csv", AxisKind::Linear).unwrap();
+        assert_eq!(value(&text, "f_s"), f_c);
+        let line = text.lines().find(|line| line.trim().starts_with("f_s:")).unwrap();
+        assert!(
+            line.contains("# a copy of f_c: f_s lies below f_c") && !line.contains("identified")
+        );
+        let notes = found.notes().concat();
+        assert!(notes.contains("f_s lies below f_c"), "{notes}");
+        // Numbers in the comments have as many digits as their errors.
+        let inertia = text.lines().find(|line| line.starts_with("# inertia:")).unwrap();
+        assert!(inertia.len() < 60, "{inertia}");
+        found.fit.estimates.get_mut("f_v").unwrap().value = -0.012345678;
+        let text = render(&found, "axis.csv", AxisKind::Linear).unwrap();
+        let line = text.lines().find(|line| line.trim().starts_with("f_v:")).unwrap();
+        assert!(line.contains("0 in place of -0.0123") && line.contains("below zero"), "{line}");
+        assert!(file("symmetric").contains("# a copy of f_c: no Stribeck dip"));
     }
 }

@@ -7,6 +7,7 @@ use friction_ident::{Doubt, Estimate, FrictionData, Stage, Verdict};
 use friction_model::ModelName;
 
 use super::{Criterion, FrictionIdentification, KINDS, ModelResult, Settings};
+use crate::verdict::why;
 use recording::drive_error::AddedUncertainty;
 use recording::stretches::FrictionRecording;
 use report::numbers::{self, value_and_error as with_error};
@@ -84,7 +85,7 @@ pub(super) fn verdict(estimate: &Estimate) -> String {
             format!("{doubt}. Measure {remedy}.")
         }
         Verdict::NotIdentifiable { doubt, remedy } => {
-            format!("not identifiable from this data: {doubt}. Measure {remedy}.")
+            format!("not identifiable from this data: {}. Measure {remedy}.", why(estimate, doubt))
         }
         Verdict::Given { source } => format!("not estimated: {source}"),
     }
