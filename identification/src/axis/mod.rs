@@ -15,6 +15,7 @@ mod longest;
 mod one_speed;
 pub mod page;
 pub mod parameters;
+mod ramps;
 pub mod structure;
 pub mod structure_page;
 pub mod structure_parameters;
@@ -32,6 +33,7 @@ use friction_ident::{
 pub use band::TooFast;
 use friction_ident::statistics::root_mean_square;
 use longest::longest;
+pub use one_speed::OneSpeed;
 use recording::{AxisKind, RecordedStretch, Recording};
 
 /// How a recording is to be identified.
@@ -97,6 +99,8 @@ pub struct Identification {
     pub warnings: Vec<String>,
     /// The one of them that says that friction changed while it was recorded.
     pub drift: Option<String>,
+    /// The one of them that says that the motion has one speed.
+    pub one_speed: Option<OneSpeed>,
     /// What the reader must know to read the numbers right.
     pub notes: Vec<String>,
 }
@@ -235,13 +239,9 @@ pub fn identify(
             model.fit.distrust();
         }
     }
-    if let Some(speed) = one_speed::one_speed(&estimation.velocity) {
-        warnings.push(one_speed::said(speed, &symmetric.fit, settings.axis));
-        for model in [Some(&mut symmetric), asymmetric.as_mut()].into_iter().flatten() {
-            model.warned = true;
-            model.fit.distrust_what_changes_with_speed();
-        }
-    }
+    let models = (&mut symmetric, asymmetric.as_mut());
+    let one_speed = OneSpeed::of(&estimation.velocity, models, settings.axis);
+    warnings.extend(one_speed.iter().map(|found| found.said.clone()));
     if let Some(said) = beside::note(&recording.beside).filter(|_| settings.inertia) {
         notes.push(said);
         for model in [Some(&mut symmetric), asymmetric.as_mut()].into_iter().flatten() {
@@ -257,6 +257,7 @@ pub fn identify(
         too_fast,
         warnings,
         drift,
+        one_speed,
         notes,
     };
     match found.refusal(f64::INFINITY) {

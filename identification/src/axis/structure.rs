@@ -12,6 +12,8 @@ use friction_ident::one_speed::one_speed;
 use friction_ident::{Conditioned, IdentError, ParameterId, Prediction, Side, adequacy};
 
 use super::along::Along;
+use super::one_speed::distrust_structure;
+use super::ramps;
 use recording::AxisKind;
 use report::numbers::significant;
 use work::progress::Progress;
@@ -88,6 +90,8 @@ pub struct Structured {
     pub warnings: Vec<String>,
     /// Whether one of them says that friction changed while it was recorded.
     pub drifts: bool,
+    /// Whether the ramps of a motion of one speed tell the inertia; none where it has several.
+    pub ramps: Option<bool>,
     /// Units.
     pub axis: AxisKind,
 }
@@ -234,11 +238,15 @@ pub fn structured(
     doubts.extend(fit.impossible());
     doubts.extend(fails);
     doubts.extend(outdone);
-    if doubts.iter().any(FitDoubt::condemns) {
+    let speed = one_speed(&estimation.velocity);
+    let inertia = fit.estimates.value("inertia").unwrap_or(0.0);
+    let condemned = doubts.iter().any(FitDoubt::condemns);
+    let ramps = speed.map(|speed| !condemned && ramps::tell_inertia(&here, speed, inertia));
+    if condemned {
         fit.estimates.distrust();
-    } else if one_speed(&estimation.velocity).is_some() {
+    } else if let Some(ramps) = ramps {
         // Said once, of the recording.
-        fit.estimates.distrust_what_changes_with_speed();
+        distrust_structure(&mut fit.estimates, ramps);
     }
     let name = fit.structure;
     let warnings = doubts.iter().map(|doubt| format!("The structure {name} {doubt}.")).collect();
@@ -253,6 +261,7 @@ pub fn structured(
         validation,
         warnings,
         drifts,
+        ramps,
         axis,
     }))
 }

@@ -82,7 +82,7 @@ fn of_motion(motion: &Moved) -> Vec<String> {
     }
     if motion.one_speed.is_some() {
         missing.push(
-            "the motion has one speed and its turns: how friction changes with speed, and the inertia, hardly show".to_owned(),
+            "the motion has one speed and its turns: how friction changes with speed hardly shows, nor does the inertia unless slow ramps lead up to that speed".to_owned(),
         );
     }
     if motion.reversals == 0 {
