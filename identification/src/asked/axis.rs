@@ -132,9 +132,7 @@ impl Found {
             return Err(Interrupted(stopped.to_owned()).into());
         }
         if let Some(structured) = &found {
-            let once = self.found.drift.take_if(|_| structured.drifts);
-            self.found.warnings.retain(|warning| Some(warning) != once.as_ref());
-            self.found.warnings.splice(0..0, structured.warnings.iter().cloned());
+            self.found.stand_beside(structured);
         }
         self.structured = found;
         Ok(())
@@ -143,12 +141,8 @@ impl Found {
     /// What is told on a terminal.
     #[must_use]
     pub fn terminal(&self) -> String {
-        let mut text =
-            axis::terminal::render(&self.found, &self.recording, self.validation.as_ref());
-        if let Some(structured) = &self.structured {
-            text.push_str(&axis::structure_page::terminal(structured));
-        }
-        text
+        let (structured, validation) = (self.structured.as_ref(), self.validation.as_ref());
+        axis::terminal::render(&self.found, structured, &self.recording, validation)
     }
 
     /// The document for programs, `identification.json`.
@@ -212,4 +206,63 @@ fn with_option(error: IdentifyError) -> BadInput {
         _ => "",
     };
     BadInput(format!("{error}{option}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Args, Command, FromArgMatches};
+
+    use super::*;
+
+    /// What the command does up to writing.
+    fn found(arguments: &[&str]) -> anyhow::Result<Found> {
+        let all = std::iter::once("identify").chain(arguments.iter().copied());
+        let matches = IdentifyArgs::augment_args(Command::new("identify")).get_matches_from(all);
+        let args = IdentifyArgs::from_arg_matches(&matches)?;
+        let mut found = Asked::read(&args)?.identify()?;
+        if let Some(wanted) = &args.structure {
+            let progress = Progress::counting(1, "structures", true);
+            found.compare(wanted, &progress, &AtomicBool::new(false))?;
+        }
+        Ok(found)
+    }
+
+    /// 24 s of a joint of 0.02 kg m^2 with friction that has a dip of this depth.
+    fn joint(dip: f64, velocity: impl Fn(f64) -> (f64, f64)) -> String {
+        let mut x = 0.0;
+        let row = |k: u32| {
+            let t = f64::from(k) * 2e-3;
+            x += 2e-3 * velocity(t).0;
+            let (v, a) = velocity(t);
+            let level = 0.3 + dip * (-(v / 0.8).powi(2)).exp();
+            let torque = 0.02 * a + 0.05 * v + level * v.signum() + 1e-3 * (977.0 * t).sin();
+            format!("{t},{x},{torque}\n")
+        };
+        format!("t_s,q_rad,tau_Nm\n{}", (0..12_000).map(row).collect::<String>())
+    }
+
+    /// What was wrong with the plain models alone stood first, as if the result were not to be trusted.
+    #[test]
+    fn a_plain_models_warning_stands_with_it_after_the_chosen_structure() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("dip.csv");
+        let speed = |t: f64| {
+            let ((s, c), (fast_s, fast_c)) = ((1.1 * t).sin_cos(), (3.7 * t).sin_cos());
+            (2.0 * c + fast_c, -2.2 * s - 3.7 * fast_s)
+        };
+        std::fs::write(&path, joint(0.5, speed)).unwrap();
+        let path = path.display().to_string();
+        let plain = found(&[&path]).unwrap();
+        assert!(plain.found.warnings[0].starts_with("The symmetric model"));
+        assert!(plain.found.warnings[0].ends_with("--structure auto offers more."));
+        let with = found(&[&path, "--structure", "symmetric,symmetric+stribeck"]).unwrap();
+        assert!(with.found.warnings.is_empty(), "{:?}", with.found.warnings);
+        let said = with.terminal();
+        let place = |text: &str| said.find(text).unwrap_or_else(|| panic!("no {text}: {said}"));
+        assert!(place("symmetric+stribeck:") < place("WARNING: The symmetric model"), "{said}");
+        assert!(place("\nsymmetric: ") < place("WARNING: The symmetric model"), "{said}");
+        assert!(said.contains("symmetric+stribeck, does not have this fault"), "{said}");
+        let document = with.document().unwrap();
+        assert!(document.contains("does not have this fault"), "{document}");
+    }
 }

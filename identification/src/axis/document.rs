@@ -17,7 +17,8 @@
 //!   relative_error_percent, residual_rms, residual_unit, samples
 //!   cross_test             relative_error_percent, samples; or null
 //!   free_run               rms and cross_test_rms of the simulated position, unit; null without --free-run
-//! warnings                 why a model is not to be trusted as a whole: it explains too little, or what it leaves goes with the motion
+//! warnings                 why a model is not to be trusted as a whole: it explains too little, or what it leaves goes with the motion; last those that
+//!                          are of a plain model alone (`The symmetric model ...`) where a structure was chosen
 //! notes                    what must be known to read the numbers right
 //! ```
 
@@ -37,6 +38,8 @@ pub fn render(
 ) -> String {
     let conditioning = found.settings.conditioning;
     let axis = found.settings.axis;
+    let of_plain = found.plain().flat_map(|model| found.beside(model));
+    let warnings: Vec<String> = found.warnings.iter().cloned().chain(of_plain).collect();
     let document = json!({
         "format": "frictionlab-identification",
         "format_version": 1,
@@ -56,7 +59,7 @@ pub fn render(
         "load": found.load,
         "symmetric": model(&found.symmetric, axis),
         "asymmetric": found.asymmetric.as_ref().map(|result| model(result, axis)),
-        "warnings": found.warnings,
+        "warnings": warnings,
         "notes": found.notes,
     });
     let mut text = format!("{document:#}");

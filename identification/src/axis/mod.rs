@@ -10,6 +10,7 @@ mod band;
 mod beside;
 pub mod document;
 mod errors;
+mod faults;
 mod held;
 mod longest;
 mod one_speed;
@@ -31,6 +32,7 @@ use friction_ident::{
 };
 
 pub use band::TooFast;
+pub use faults::Fault;
 use friction_ident::statistics::root_mean_square;
 use longest::longest;
 pub use one_speed::OneSpeed;
@@ -70,6 +72,8 @@ pub struct ModelResult {
     pub free_run: Option<FreeRun>,
     /// Whether one of the warnings is of it.
     pub warned: bool,
+    /// Those that are of it alone.
+    pub faults: Vec<Fault>,
 }
 
 /// By how much the position of a [`free_run`](friction_ident::rigid_axis::free_run) is off, root
@@ -97,8 +101,6 @@ pub struct Identification {
     pub too_fast: Option<TooFast>,
     /// Why a model is not to be trusted as a whole: said before any table.
     pub warnings: Vec<String>,
-    /// The one of them that says that friction changed while it was recorded.
-    pub drift: Option<String>,
     /// The one of them that says that the motion has one speed.
     pub one_speed: Option<OneSpeed>,
     /// What the reader must know to read the numbers right.
@@ -110,8 +112,7 @@ impl Identification {
     /// one with the relative error of `other` \[%\]; never where a cutoff was asked for.
     pub fn refusal(&self, other: f64) -> Option<IdentError> {
         let too_fast = self.too_fast.filter(|_| !self.settings.given_cutoff)?;
-        let plain = [Some(&self.symmetric), self.asymmetric.as_ref()];
-        let errors = plain.into_iter().flatten().map(|model| model.fit.relative_error);
+        let errors = self.plain().map(|model| model.fit.relative_error);
         too_fast.refusal(errors.fold(other, f64::min))
     }
 }
@@ -165,7 +166,8 @@ pub fn identify(
             estimation: free_run(&fit, recording),
             validation: other.and_then(|other| free_run(&fit, other)),
         });
-        Ok(ModelResult { fit, estimation: here, validation: there, free_run, warned: false })
+        let (warned, faults) = (false, Vec::new());
+        Ok(ModelResult { fit, estimation: here, validation: there, free_run, warned, faults })
     };
 
     let loads = load(&estimation, validation.as_ref().map(|(_, other)| other), settings);
@@ -190,15 +192,17 @@ pub fn identify(
     for (warning, said) in held::said(recording, &settings.conditioning) {
         if warning { warnings.push(said) } else { notes.push(said) }
     }
+    let mut faults = Vec::new();
     if let Err(error) = symmetric.possible() {
         if !settings.structured {
             return Err(blame(error));
         }
-        warnings.push(format!("The symmetric model cannot be: {error}."));
+        let said = format!("The symmetric model cannot be: {error}.");
+        warnings.push(said.clone());
+        faults.push(Fault { doubt: None, said });
     }
-    let impossible = symmetric.possible().is_err();
     let mut drift = None;
-    let mut symmetric = ModelResult { warned: impossible, ..result(symmetric)? };
+    let mut symmetric = ModelResult { warned: !faults.is_empty(), faults, ..result(symmetric)? };
     let wanted = AxisModel { asymmetric: true, inertia: settings.inertia, offset: false, load };
     let mut asymmetric = match fit_axis(&estimation, wanted) {
         Ok(fit) => Some(result(fit)?),
@@ -218,21 +222,21 @@ pub fn identify(
         });
         let whole = adequacy::doubts(&model.estimation, &estimation).into_iter().chain(fails);
         let whole: Vec<FitDoubt> = whole.collect();
-        let more = if settings.structured {
-            "The structure chosen below has more"
-        } else {
-            "--structure auto offers more"
-        };
+        let more = if settings.structured { "" } else { " --structure auto offers more." };
         let condemned = too_fast.is_some() || whole.iter().any(FitDoubt::condemns);
         model.warned |= !whole.is_empty();
         for doubt in whole {
-            let said = format!("The {name} model {doubt}. {more}.");
+            let said = format!("The {name} model {doubt}.{more}");
             // It is of the recording and not of the model: once is enough.
             if matches!(doubt, FitDoubt::Drifts { .. }) {
-                drift.get_or_insert(said);
+                if drift.is_some() {
+                    continue;
+                }
+                drift = Some(said.clone());
             } else {
-                warnings.push(said);
+                warnings.push(said.clone());
             }
+            model.faults.push(Fault { doubt: Some(doubt), said });
         }
         notes.extend(doubts(&model.fit));
         if condemned {
@@ -248,7 +252,7 @@ pub fn identify(
             model.fit.distrust_what_other_joints_move();
         }
     }
-    warnings.extend(drift.clone());
+    warnings.extend(drift);
     let found = Identification {
         settings: *settings,
         load: loads,
@@ -256,7 +260,6 @@ pub fn identify(
         asymmetric,
         too_fast,
         warnings,
-        drift,
         one_speed,
         notes,
     };

@@ -38,6 +38,8 @@ pub fn page(
         let warned = warned(found);
         blocks.extend(structure_page::blocks(structured, found.settings.axis, &warned));
         blocks.push(Block::Heading("The plain models beside it".to_owned()));
+        let of_plain = found.plain().flat_map(|model| found.beside(model));
+        blocks.extend(of_plain.map(|said| Block::Note(format!("WARNING: {said}"))));
         blocks.push(Block::Table(errors(found, Some(structured), validation)));
     }
     blocks.push(Block::Table(parameters(
@@ -130,8 +132,7 @@ fn parameters(found: &Identification, result: &ModelResult, title: &str) -> Tabl
 
 /// The plain models that a warning is of.
 fn warned(found: &Identification) -> Vec<AxisStructure> {
-    let plain = [Some(&found.symmetric), found.asymmetric.as_ref()];
-    let warned = plain.into_iter().flatten().filter(|result| result.warned);
+    let warned = found.plain().filter(|result| result.warned);
     let structure = |result: &ModelResult| {
         let asymmetric = result.fit.model.asymmetric;
         AxisStructure { asymmetric, ..AxisStructure::SYMMETRIC }

@@ -88,6 +88,8 @@ pub struct Structured {
     pub validation: Option<Prediction>,
     /// Why the chosen one is not to be trusted as a whole: said before any table.
     pub warnings: Vec<String>,
+    /// What these warnings are of.
+    pub doubts: Vec<FitDoubt>,
     /// Whether one of them says that friction changed while it was recorded.
     pub drifts: bool,
     /// Whether the ramps of a motion of one speed tell the inertia; none where it has several.
@@ -260,6 +262,7 @@ pub fn structured(
         estimation,
         validation,
         warnings,
+        doubts,
         drifts,
         ramps,
         axis,

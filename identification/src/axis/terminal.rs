@@ -2,15 +2,19 @@
 
 use std::fmt::Write;
 
+use super::structure::Structured;
+use super::structure_page;
 use super::{Identification, ModelResult, unit};
 use friction_ident::robust_covariance::METHOD;
 use friction_ident::{Conditioning, Load};
 use recording::Recording;
 use report::numbers::{significant, value_and_error as with_error};
 
-/// A summary for people: parameters with standard errors, errors, notes.
+/// A summary for people: parameters with standard errors, errors, notes. A structure that was chosen
+/// stands before the plain models, and what is wrong with one of these stands with it.
 pub fn render(
     found: &Identification,
+    structured: Option<&Structured>,
     recording: &Recording,
     validation: Option<&Recording>,
 ) -> String {
@@ -40,6 +44,10 @@ pub fn render(
         how.decimate,
         found.symmetric.fit.samples
     );
+    if let Some(structured) = structured {
+        text.push_str(&structure_page::terminal(structured));
+        text.push_str("\nThe plain models beside it:\n");
+    }
     model(&mut text, found, &found.symmetric, "symmetric", validation);
     if let Some(asymmetric) = &found.asymmetric {
         model(&mut text, found, asymmetric, "asymmetric", validation);
@@ -111,6 +119,9 @@ fn model(
         });
         let _ =
             writeln!(text, "  free run       {} rms of the position{there}", said(run.estimation));
+    }
+    for said in found.beside(result) {
+        let _ = writeln!(text, "  WARNING: {said}");
     }
 }
 
