@@ -107,6 +107,11 @@ impl Found {
         let found =
             structured(&estimation, other.as_ref(), wanted, settings.axis, progress, cancel);
         progress.finish();
+        if let Err(IdentError::Columns { names }) = &found
+            && one_direction(&estimation.velocity, names)
+        {
+            return self.without_structure();
+        }
         let mut found = found.map_err(|error| {
             // No structure can do without an inertia.
             let option = match &error {
@@ -135,6 +140,26 @@ impl Found {
             self.found.stand_beside(structured);
         }
         self.structured = found;
+        Ok(())
+    }
+
+    /// Lets the symmetric model stand for the axis: in one direction it is all that can be told.
+    ///
+    /// # Errors
+    /// [`BadInput`] where that model is none.
+    fn without_structure(&mut self) -> anyhow::Result<()> {
+        let path = || self.recording.path.clone();
+        let refused = |source| with_option(IdentifyError { path: path(), stretch: None, source });
+        self.found.symmetric.fit.possible().map_err(refused)?;
+        if let Some(source) = self.found.refusal(f64::INFINITY) {
+            return Err(refused(source).into());
+        }
+        self.found.notes.push(
+            "No structure was compared: each has an offset or friction of each direction, and in a motion of one direction \
+             neither can be told from Coulomb friction. The symmetric model stands for the axis, and its Coulomb friction contains \
+             the offset. Record a motion that reverses to compare structures."
+                .to_owned(),
+        );
         Ok(())
     }
 
@@ -176,6 +201,13 @@ impl Found {
         let page = report::linked(page, [FILES[2], FILES[0]]);
         Ok([self.document()?, report::render_page(&page), parameters])
     }
+}
+
+/// Whether an axis never moves back, so that parameters of these names cannot be told apart.
+fn one_direction(velocity: &[f64], names: &[String]) -> bool {
+    let level = |name: &str| names.iter().any(|other| other == name);
+    let never = velocity.iter().all(|v| *v >= 0.0) || velocity.iter().all(|v| *v <= 0.0);
+    never || level("offset") && level("f_c")
 }
 
 /// The document with the structure in it.
@@ -239,6 +271,28 @@ mod tests {
             format!("{t},{x},{torque}\n")
         };
         format!("t_s,q_rad,tau_Nm\n{}", (0..12_000).map(row).collect::<String>())
+    }
+
+    /// With `--structure auto` a motion of one direction was refused: offset and f_c cannot be told
+    /// apart.
+    #[test]
+    fn one_direction_has_inertia_and_friction_with_structures_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("one_way.csv");
+        let speed = |t: f64| (4.0 + 3.0 * (1.3 * t).sin(), 3.9 * (1.3 * t).cos());
+        std::fs::write(&path, joint(0.0, speed)).unwrap();
+        let path = path.display().to_string();
+        let alone = found(&[&path]).unwrap();
+        for more in [&["auto"][..], &["symmetric"], &["auto", "--without-offset"]] {
+            let with = found(&[&[&path, "--structure"], more].concat()).unwrap();
+            assert!(with.structured.is_none());
+            assert_eq!(with.found.symmetric.fit, alone.found.symmetric.fit);
+            let said = with.terminal();
+            assert!(said.contains("neither can be told from Coulomb friction"), "{said}");
+            assert!(said.contains("inertia") && said.contains("viscous"), "{said}");
+            let yaml = &with.contents().unwrap()[2];
+            assert!(yaml.contains("friction_observer"), "{yaml}");
+        }
     }
 
     /// What was wrong with the plain models alone stood first, as if the result were not to be trusted.
