@@ -1,10 +1,11 @@
 //! What helps where a nonlinear parameter lies at a bound: the lower one and the upper one ask for
-//! the opposite.
+//! the opposite. And what that does to the others.
 
-use super::shape::{Limits, ShapeTerm};
-use crate::estimate::{Doubt, Estimate, Verdict};
+use super::shape::{Limits, Shape, ShapeTerm};
+use crate::estimate::{Doubt, Estimate, Estimates, Verdict};
+use crate::parameter_id::ParameterId;
 
-const BROAD: &str = "faster motion: the dip is as broad as the search allows, a quarter of the fastest speed, and what lies beyond it hardly shows";
+const BROAD: &str = "faster motion: the dip is as broad as the search allows, half of the fastest speed, and what lies beyond it hardly shows";
 const LAGS: &str = "a force that is recorded nearer to the motor: the motion follows it later than the search allows, ten samples, as behind a low-pass or a slow bus";
 const COMES_LATE: &str = "a force that is recorded earlier in its chain, before a low-pass or a slow bus: it comes later than the motion by more than the search allows, ten samples";
 const GRADUAL: &str = "motion over more of the travel: friction rises over as much of it as the search allows, a tenth";
@@ -18,6 +19,52 @@ pub(super) fn remedies(terms: &[ShapeTerm], limits: &Limits, estimates: &mut [Es
             && let Some(better) = at(*term, limits, *bound)
         {
             *remedy = better;
+        }
+    }
+}
+
+/// Share of a bound within which a parameter lies at it.
+const AT: f64 = 1e-6;
+/// What does not change with the time between force and motion.
+const LOAD: [&str; 8] = [
+    "offset",
+    "spring",
+    "gravity_sin",
+    "gravity_cos",
+    "f_c_slope",
+    "f_c_curvature",
+    "harmonic_cos",
+    "harmonic_sin",
+];
+/// What goes into one another where a dip has no end.
+const CURVE: [&str; 3] = ["f_v", "f_c", "f_s"];
+
+/// Says of the other parameters that they take what a parameter at its bound leaves over: inertia
+/// and friction that of a force that comes later still, the friction curve that of a broader dip.
+pub(super) fn distrust(
+    terms: &[ShapeTerm],
+    limits: &Limits,
+    shape: &Shape,
+    estimates: &mut Estimates,
+) {
+    for term in terms {
+        let value = term.value(shape);
+        let upper = value >= (1.0 - AT) * term.value(&limits.high);
+        // No delay at all is a bound too, and takes nothing from the others.
+        let late = value < 0.0 && value <= (1.0 - AT) * term.value(&limits.low);
+        match term {
+            ShapeTerm::Delay if upper || late => {
+                let load = |id: ParameterId| LOAD.contains(&id.name) || id.name == "delay";
+                let why = "the delay is as long as the search allows, ten samples: force and motion are further apart, as behind a low-pass, \
+                           and inertia and friction take what the delay leaves over";
+                estimates.distrust_but(load, why, if value > 0.0 { LAGS } else { COMES_LATE });
+            }
+            ShapeTerm::StribeckVelocity if upper => {
+                let other = |id: ParameterId| !CURVE.contains(&id.name);
+                let why = "the dip is as broad as the search allows: the levels and the viscous friction take of one another";
+                estimates.distrust_but(other, why, BROAD);
+            }
+            _ => {}
         }
     }
 }
@@ -42,6 +89,27 @@ mod tests {
     use super::super::naming::{AxisUnits, unknowns};
     use super::super::tests::stribeck_axis;
     use super::*;
+
+    /// Of a dip that is broader than the search goes the levels were told with narrow intervals.
+    #[test]
+    fn a_dip_at_the_upper_bound_leaves_no_levels() {
+        let limits = Limits::of(&stribeck_axis());
+        let structure = "symmetric+stribeck".parse().unwrap();
+        let terms = ShapeTerm::of(&structure);
+        let identified = |shape: Shape| {
+            let names = unknowns(&structure, &AxisUnits::LINEAR);
+            let of = |id: ParameterId, unit| Estimate::given(id, unit, 1.0, "");
+            let mut parameters: Vec<Estimate> =
+                names.iter().map(|unknown| of(unknown.id, unknown.unit)).collect();
+            parameters.iter_mut().for_each(|estimate| estimate.verdict = Verdict::Identified);
+            let mut estimates = Estimates { parameters, ..Estimates::default() };
+            distrust(&terms, &limits, &shape, &mut estimates);
+            let left = estimates.parameters.iter().filter(|estimate| estimate.is_identified());
+            left.map(|estimate| estimate.id.name).collect::<Vec<_>>()
+        };
+        assert_eq!(identified(limits.high), ["inertia", "offset", "v_s"]);
+        assert_eq!(identified(limits.low).len(), 6);
+    }
 
     /// A dip that is too broad was told to move slowly, and a force that lags to be sampled faster.
     #[test]

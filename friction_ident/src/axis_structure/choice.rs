@@ -17,6 +17,10 @@ const RISEN: f64 = 0.75;
 /// rises.
 const BORNE_OUT: f64 = 1.0 - ALIKE;
 
+/// Change of the logarithm of the Stribeck velocity up to which two structures have one and the same
+/// rise.
+const SAME_RISE: f64 = 0.1;
+
 /// A structure against the best one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Ranked {
@@ -66,7 +70,8 @@ pub struct Choice {
 pub fn choose(scores: &[CrossValidation]) -> Option<Choice> {
     let there: Vec<Option<f64>> =
         scores.iter().map(|score| Some(score.elsewhere.as_ref()?.relative_error)).collect();
-    let scores: Vec<CrossValidation> = scores.iter().map(CrossValidation::pooled).collect();
+    let mut scores: Vec<CrossValidation> = scores.iter().map(CrossValidation::pooled).collect();
+    judge_alike(&mut scores);
     let best_of = |first_speeds: FirstSpeeds| {
         let of_kind = (0..scores.len()).filter(|&index| scores[index].first_speeds == first_speeds);
         of_kind.min_by(|&a, &b| scores[a].relative_error.total_cmp(&scores[b].relative_error))
@@ -127,6 +132,28 @@ pub fn choose(scores: &[CrossValidation]) -> Option<Choice> {
     Some(Choice { ranking, best, chosen, without_rise })
 }
 
+/// One rise is judged once: whether enough of the recording lies at its speeds is a matter of digits
+/// where the share is at the limit, and no reason to take a structure with more parts that predicts
+/// alike.
+fn judge_alike(scores: &mut [CrossValidation]) {
+    let plausible: Vec<CrossValidation> = scores
+        .iter()
+        .filter(|score| score.first_speeds == FirstSpeeds::Plausible)
+        .cloned()
+        .collect();
+    for score in scores.iter_mut().filter(|score| score.first_speeds == FirstSpeeds::Rises) {
+        let same = |more: &&CrossValidation| {
+            let error = (1.0 + PREFERRED) * more.relative_error;
+            more.structure.has_all_of(&score.structure)
+                && score.relative_error <= error
+                && (more.shape.v_s / score.shape.v_s).ln().abs() < SAME_RISE
+        };
+        if plausible.iter().find(same).is_some() {
+            score.first_speeds = FirstSpeeds::Plausible;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -168,6 +195,24 @@ mod tests {
         assert_eq!(choose(&[driving.clone(), plain]).unwrap().chosen, 1);
         assert_eq!(choose(&[driving.clone(), rising(0.9)]).unwrap().chosen, 1);
         assert_eq!(choose(&[driving]).unwrap().chosen, 0, "there is no other");
+    }
+
+    /// The simpler of two structures with the same rise passed for a rise that was not seen, the other
+    /// for one that was, by the last digits of the Stribeck velocity: the one with more parts was
+    /// chosen.
+    #[test]
+    fn one_rise_is_judged_once() {
+        let dip = AxisStructure { stribeck: true, presliding: true, ..AxisStructure::SYMMETRIC };
+        let more = AxisStructure { damping: true, ..dip };
+        let plain = score(AxisStructure::SYMMETRIC, &[0.010, 0.020, 0.015]);
+        let blocks = [0.008, 0.016, 0.012];
+        let rises = CrossValidation { first_speeds: FirstSpeeds::Rises, ..score(dip, &blocks) };
+        let seen = score(more, &[0.008, 0.016, 0.0119]);
+        let choice = choose(&[plain.clone(), rises.clone(), seen.clone()]).unwrap();
+        assert_eq!((choice.best, choice.chosen), (2, 1));
+        let other = Shape { v_s: 2.0, ..seen.shape };
+        let choice = choose(&[plain, rises, CrossValidation { shape: other, ..seen }]).unwrap();
+        assert_eq!(choice.chosen, 2, "another rise");
     }
 
     /// A tenth off the error here and there: it predicts, and what the best without a rise says of

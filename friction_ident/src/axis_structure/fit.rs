@@ -9,7 +9,7 @@ use super::profile;
 use super::regressors::Regressors;
 use super::search::{Best, Search};
 use super::shape::{PositionScale, Shape, ShapeTerm};
-use super::{AxisStructure, CrossValidation, doubts, stability};
+use super::{AxisStructure, CrossValidation, at_bound, doubts, stability};
 use crate::IdentError;
 use crate::adequacy::FitDoubt;
 use crate::conditioning::Conditioned;
@@ -227,6 +227,7 @@ fn fitted(
     profile::intervals(&mut search, &best, &whole, &rises, &mut estimates);
     doubts::judge(&structure, &mut estimates);
     stability::judge(&mut search, &best, &whole, &mut estimates);
+    at_bound::distrust(&terms, &search.limits, &best.shape, &mut estimates);
     if let Some(inertia) = estimates.parameters.first() {
         // One that the recording does not determine may come out on either side.
         let standard_error = inertia.standard_error.unwrap_or(0.0);

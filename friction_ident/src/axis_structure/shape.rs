@@ -139,7 +139,7 @@ impl Limits {
     }
 
     /// `count` values from end to end: evenly in the logarithm, or in turns per length for a
-    /// period.
+    /// period. Of Stribeck velocities the likely ones.
     pub fn grid(&self, term: ShapeTerm, count: usize) -> Vec<f64> {
         let (low, mut high) = (term.value(&self.low), term.value(&self.high));
         if term == ShapeTerm::StribeckVelocity {

@@ -352,6 +352,35 @@ fn a_bristle_keeps_its_deflection_while_the_axis_rests() {
     assert!((fit.shape.displacement / REACH - 1.0).abs() < 0.05, "{:?}", fit.shape);
 }
 
+/// A force that runs through a low-pass of 25 ms, at 1 kHz: the longest delay is ten samples, and
+/// inertia and friction took the rest, with narrow intervals.
+#[test]
+fn a_force_that_lags_beyond_the_search_leaves_no_inertia() {
+    let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(8);
+    let (dt, lag) = (1e-3, 0.025);
+    let (mut place, mut force, mut recorded) = (vec![], vec![], 0.0f64);
+    for k in 0..20_000 {
+        let t = f64::from(k) * dt;
+        let acting = INERTIA * acceleration(t) + 8.0 * velocity(t) + 5.0 * velocity(t).signum();
+        recorded += (acting - recorded) * dt / lag;
+        place.push(position(t));
+        force.push(recorded + 0.02 * rng.sample::<f64, _>(StandardNormal));
+    }
+    let signals = Signals { time_step: dt, position: Some(&place), velocity: None, force: &force };
+    let recording = condition(&signals, &Conditioning::for_time_step(dt)).unwrap();
+    let fit = fit_structure(&recording, structure("symmetric+delay"), &AxisUnits::LINEAR).unwrap();
+    for name in ["inertia", "f_c", "f_v"] {
+        let estimate = fit.estimates.get(name).unwrap();
+        assert!(!estimate.is_identified(), "{estimate:?}");
+    }
+    let told = fit.estimates.get("inertia").unwrap().verdict.clone();
+    assert!(
+        matches!(&told, Verdict::NotIdentifiable { doubt: Doubt::NotToBeTrusted { why }, .. } if why.contains("ten samples")),
+        "{told:?}"
+    );
+    assert!(fit.estimates.get("offset").unwrap().is_identified());
+}
+
 /// A wave in noise: each half finds another one.
 #[test]
 fn a_wave_of_one_half_alone_is_told() {
