@@ -123,24 +123,6 @@ impl AxisStructure {
         all
     }
 
-    /// Whether it has every part that another has.
-    pub(crate) fn has_all_of(&self, other: &Self) -> bool {
-        let parts = |s: &Self| {
-            [
-                s.asymmetric,
-                s.stribeck,
-                s.presliding,
-                s.damping,
-                s.lag,
-                s.delay,
-                s.position,
-                s.gravity,
-                s.harmonic,
-            ]
-        };
-        parts(self).into_iter().zip(parts(other)).all(|(own, other)| own || !other)
-    }
-
     /// Parameters to be estimated, the nonlinear ones included.
     pub fn parameters(&self) -> usize {
         let sides = if self.asymmetric { 2 } else { 1 };

@@ -67,8 +67,8 @@ fn the_structure_is_chosen_written_and_shown() {
     }
 }
 
-/// The chosen structure stands before the plain models, of which the page warns, and first in each
-/// table; the others follow by their error.
+/// The chosen structure stands before the plain models, and first in each table; the others follow by
+/// their error. What the page warns of in a plain model stands with that model.
 #[test]
 fn the_chosen_structure_stands_first_and_what_is_warned_of_is_marked() {
     let folder = tempfile::tempdir().unwrap();
@@ -86,9 +86,9 @@ fn the_chosen_structure_stands_first_and_what_is_warned_of_is_marked() {
     let shown = page.split("id=\"page-data\"").next().unwrap_or_default();
     let after = |text: &str| shown.rsplit_once(text).unwrap_or_else(|| panic!("no {text}")).1;
     let order = [
-        "WARNING: The symmetric model",
         "Structures, the chosen one first.",
         "Parameters of asymmetric+delay.",
+        "WARNING: The symmetric model",
         "How well the models fit.",
         "One friction for both directions.",
     ];
