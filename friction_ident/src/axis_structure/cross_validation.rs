@@ -57,7 +57,7 @@ fn most(rows: usize) -> usize {
 pub struct CrossValidation {
     /// The structure.
     pub structure: AxisStructure,
-    /// The nonlinear parameters, fitted to all blocks.
+    /// The nonlinear parameters, fitted to all blocks, and `f_s` over `f_c`.
     #[serde(skip)]
     pub shape: Shape,
     /// Sum of squared prediction errors of each block, over the rows of the whole recording
@@ -145,7 +145,11 @@ pub fn cross_validate_beside(
     };
     let simpler = known.iter().filter(simpler);
     let best = match simpler.min_by(|a, b| a.relative_error.total_cmp(&b.relative_error)) {
-        Some(simpler) => search.grown(&simpler.structure, simpler.shape, ENOUGH)?,
+        Some(simpler) => {
+            let lags = simpler.structure.lag;
+            let ratio = if lags { simpler.shape.ratio } else { search.limits.start().ratio };
+            search.grown(&simpler.structure, Shape { ratio, ..simpler.shape }, ENOUGH)?
+        }
         None => search.whole()?,
     };
     search.settled(&best)?;
@@ -165,7 +169,9 @@ pub fn cross_validate_beside(
     let sum: f64 = squares.iter().sum();
     let relative_error = 100.0 * (sum / force_power).sqrt();
     let standard_error = 100.0 * sum_error(&squares) / (2.0 * (sum * force_power).sqrt());
-    let shape = best.shape;
+    let ratio =
+        if structure.lag { best.shape.ratio } else { search.regressors.dip(&best.solution.x) };
+    let shape = Shape { ratio, ..best.shape };
     let blocks = squares;
     Ok(CrossValidation {
         structure,
