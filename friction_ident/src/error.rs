@@ -165,6 +165,9 @@ pub enum IdentError {
         /// As the lag was made of it.
         of: f64,
     },
+    /// A dip that lags fits no better than one that follows at once.
+    #[error("the dip does not lag: one that follows the velocity at once fits as well")]
+    IdleLag,
     /// A load depends on the position, which the recording lacks.
     #[error("a spring or gravity depends on the position, but the recording has none; record it")]
     NoPositionForLoad,

@@ -57,7 +57,7 @@ fn most(rows: usize) -> usize {
 pub struct CrossValidation {
     /// The structure.
     pub structure: AxisStructure,
-    /// The nonlinear parameters, fitted to all blocks, and `f_s` over `f_c`.
+    /// The nonlinear parameters, fitted to all blocks.
     #[serde(skip)]
     pub shape: Shape,
     /// Sum of squared prediction errors of each block, over the rows of the whole recording
@@ -124,7 +124,8 @@ pub fn cross_validate(
 /// is new is searched all over.
 ///
 /// # Errors
-/// Those of [`cross_validate`].
+/// Those of [`cross_validate`], and [`IdentError::IdleLag`] where a dip that follows at once, with as
+/// many parameters, fits the recording as well as one that lags.
 pub fn cross_validate_beside(
     recording: &Conditioned,
     structure: AxisStructure,
@@ -145,13 +146,17 @@ pub fn cross_validate_beside(
     };
     let simpler = known.iter().filter(simpler);
     let best = match simpler.min_by(|a, b| a.relative_error.total_cmp(&b.relative_error)) {
-        Some(simpler) => {
-            let lags = simpler.structure.lag;
-            let ratio = if lags { simpler.shape.ratio } else { search.limits.start().ratio };
-            search.grown(&simpler.structure, Shape { ratio, ..simpler.shape }, ENOUGH)?
-        }
+        Some(simpler) => search.grown(&simpler.structure, simpler.shape, ENOUGH)?,
         None => search.whole()?,
     };
+    if let Some(prompt) = known.iter().find(|score| structure.lag && score.structure == at_once) {
+        let scale = PositionScale::of(recording);
+        let prompt = Search::new(recording, at_once, scale)?.solve(&prompt.shape)?;
+        let [prompt, lagging] = [&prompt, &best.solution].map(|fit| fit.residual.norm_squared());
+        if lagging >= prompt {
+            return Err(IdentError::IdleLag);
+        }
+    }
     search.settled(&best)?;
     let first_speeds = first_speeds(&structure, &best, &search);
     let whole = Whole::of(&mut search, &best)?;
@@ -169,9 +174,7 @@ pub fn cross_validate_beside(
     let sum: f64 = squares.iter().sum();
     let relative_error = 100.0 * (sum / force_power).sqrt();
     let standard_error = 100.0 * sum_error(&squares) / (2.0 * (sum * force_power).sqrt());
-    let ratio =
-        if structure.lag { best.shape.ratio } else { search.regressors.dip(&best.solution.x) };
-    let shape = Shape { ratio, ..best.shape };
+    let shape = best.shape;
     let blocks = squares;
     Ok(CrossValidation {
         structure,

@@ -200,10 +200,7 @@ pub fn fit_validated(
 ) -> Result<StructureFit, IdentError> {
     let scale = PositionScale::of(recording);
     let mut search = Search::new(recording, score.structure, scale)?;
-    // Without a lag the ratio of the levels has no effect, and stays what it is in every fit.
-    let unlagged = search.limits.start().ratio;
-    let ratio = if score.structure.lag { score.shape.ratio } else { unlagged };
-    let best = search.from(Shape { ratio, ..score.shape }, &[])?;
+    let best = search.from(score.shape, &[])?;
     fitted(search, best, scale, units)
 }
 

@@ -86,14 +86,12 @@ pub fn next(
 }
 
 /// Of the best structures that have a dip and a bristle, of all and of those that are likely, the
-/// same with a dip that lags, where it is one; before there is a force that repeats.
+/// same with a dip that lags; before there is a force that repeats.
 fn lagging(scores: &[CrossValidation], refused: &[AxisStructure]) -> Vec<AxisStructure> {
     let has = |structure: &AxisStructure| {
         structure.stribeck && structure.presliding && !structure.harmonic
     };
-    // What rises over the first speeds is no Stribeck curve, and no limit of a bristle.
-    let falls = |score: &&CrossValidation| score.shape.ratio >= 1.0;
-    let both = || scores.iter().filter(|score| has(&score.structure)).filter(falls);
+    let both = || scores.iter().filter(|score| has(&score.structure));
     let better =
         |a: &&CrossValidation, b: &&CrossValidation| a.relative_error.total_cmp(&b.relative_error);
     let best = both().min_by(better);

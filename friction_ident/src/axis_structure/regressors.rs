@@ -239,14 +239,9 @@ impl<'a> Regressors<'a> {
 
     /// `f_s` over `f_c`, of both directions together; none where no bristle lags.
     pub fn ratio(&self, linear: &DVector<f64>) -> Option<f64> {
-        self.structure.lag.then(|| self.dip(linear))
-    }
-
-    /// The same whether a bristle lags or not; one without a dip.
-    pub fn dip(&self, linear: &DVector<f64>) -> f64 {
         let Levels { kinetic, rest, .. } = self.levels(linear);
         let sum = |level: [f64; 2]| level[0] + level[1];
-        sum(rest) / sum(kinetic).max(0.0)
+        self.structure.lag.then(|| sum(rest) / sum(kinetic).max(0.0))
     }
 
     /// The delay in samples.
