@@ -112,7 +112,7 @@ fn from_table<'a>(
         Some(timed) => {
             let time = next();
             sheet.check_seconds(&timed, &time)?;
-            remarks.time.scaled = sheet.scale_of(Channel::Time, &timed);
+            remarks.time.scaled = remarks::scale_of(&sheet, Channel::Time, &timed);
             time
         }
         None => sheet.periods(&rows),

@@ -254,7 +254,7 @@ fn table<'a>(
     for ((channel, column), values) in found.iter().zip(&mut values) {
         match (channel, &times) {
             (Channel::Time, _) => {
-                remarks.time.scaled = sheet.scale_of(*channel, column);
+                remarks.time.scaled = remarks::scale_of(&sheet, *channel, column);
                 match sheet.check_seconds(column, values) {
                     Ok(()) => times = Some(times_of(values)),
                     Err(error) => problems.push(error.to_string()),

@@ -160,7 +160,7 @@ pub(super) fn rows(
     let mut values = values.into_iter();
     let mut next = || values.next().unwrap_or_default();
     let forces = next();
-    let time_scaled = time.as_ref().and_then(|time| sheet.scale_of(Channel::Time, time));
+    let time_scaled = time.as_ref().and_then(|time| remarks::scale_of(&sheet, Channel::Time, time));
     let (times, time) = match time {
         Some(time) => {
             let times = next();

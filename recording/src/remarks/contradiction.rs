@@ -4,7 +4,7 @@
 use friction_ident::statistics::{quantile, sorted, upper_median};
 use serde::Serialize;
 
-use super::{Both, Label, exact, short};
+use super::{Both, Label, Used, exact, short};
 
 /// Samples below which nothing is said.
 const FEWEST: usize = 50;
@@ -14,20 +14,6 @@ const ALIKE: std::ops::Range<f64> = 0.8..1.25;
 const CORRELATION: f64 = 0.95;
 /// How far apart the quartiles of the ratio may be, as a part of it.
 const SPREAD: f64 = 0.2;
-
-/// Which of a position and a velocity is used.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Used {
-    /// The position.
-    Position,
-    /// The velocity, as it was named.
-    Velocity,
-    /// The velocity, with the position beside it.
-    Both,
-    /// The velocity of a message, which has no options.
-    Message,
-}
 
 /// A position and a velocity that contradict each other.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

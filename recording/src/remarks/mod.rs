@@ -7,6 +7,7 @@
 mod contradiction;
 mod cut;
 mod label;
+mod made;
 mod read;
 mod scaled;
 mod spikes;
@@ -15,12 +16,14 @@ mod wrapped;
 
 use serde::Serialize;
 
-pub use contradiction::{Contradiction, Used};
+pub use contradiction::Contradiction;
 pub use cut::Cut;
 pub use label::Label;
 pub(crate) use read::Read;
 pub use scaled::Scaled;
+pub(crate) use scaled::scale_of;
 pub use spikes::Spikes;
+pub use watched::Used;
 pub(crate) use watched::{Both, Watched};
 pub use wrapped::Wrapped;
 pub(crate) use wrapped::{Angle, unwrap};

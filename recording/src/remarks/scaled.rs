@@ -3,7 +3,9 @@
 use serde::Serialize;
 
 use super::{Label, exact};
+use crate::ChannelSource;
 use crate::column::Channel;
+use crate::sheet::{Found, Sheet};
 use crate::units::{self, Quantity};
 
 /// A scale that stands in place of the unit in a name.
@@ -60,6 +62,13 @@ impl Scaled {
             exact(scale * factor)
         )
     }
+}
+
+/// What is to be said of a scale that was given for a column.
+pub(crate) fn scale_of(sheet: &Sheet<'_>, channel: Channel, found: &Found) -> Option<Scaled> {
+    let stem = sheet.stem_of(found)?;
+    let ChannelSource { name, scale } = &found.source;
+    found.scaled.then(|| Scaled::of(channel, name, stem, *scale)).flatten()
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The channels that remarks are made of, as they were read.
 
-use super::{Contradiction, Cut, Marks, Remarks, Spikes, Used};
+use serde::Serialize;
 
 /// A channel as it was read.
 #[derive(Debug, Clone, Copy)]
@@ -24,39 +24,16 @@ pub(crate) struct Both<'a> {
     pub used: Used,
 }
 
-impl Remarks {
-    /// With what the position and the velocity say of each other.
-    #[must_use]
-    pub(crate) fn compared(mut self, time: &[f64], both: Both<'_>) -> Self {
-        self.contradiction = Contradiction::of(time, both);
-        self
-    }
-
-    /// With what is to be said of a position.
-    #[must_use]
-    pub(crate) fn of_position(mut self, time: &[f64], position: Watched<'_>) -> Self {
-        self.position.spikes = Spikes::of(time, position, false);
-        self
-    }
-
-    /// With what is to be said of a velocity, beside a force.
-    #[must_use]
-    pub(crate) fn of_velocity(
-        mut self,
-        time: &[f64],
-        velocity: Watched<'_>,
-        force: Option<&[f64]>,
-    ) -> Self {
-        let spikes = Spikes::of(time, velocity, false);
-        self.velocity = Marks { cut: Cut::of(velocity, force), spikes, ..self.velocity };
-        self
-    }
-
-    /// With what is to be said of a force.
-    #[must_use]
-    pub(crate) fn of_force(mut self, time: &[f64], force: Watched<'_>) -> Self {
-        let spikes = Spikes::of(time, force, true);
-        self.force = Marks { cut: Cut::of(force, None), spikes, ..self.force };
-        self
-    }
+/// Which of a position and a velocity is used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Used {
+    /// The position.
+    Position,
+    /// The velocity, as it was named.
+    Velocity,
+    /// The velocity, with the position beside it.
+    Both,
+    /// The velocity of a message, which has no options.
+    Message,
 }

@@ -3,7 +3,6 @@
 use super::named::Named;
 use super::{Found, Sheet};
 use crate::column::{Channel, axis_in};
-use crate::remarks::Scaled;
 use crate::units;
 use crate::{ChannelSource, Column, RecordingError};
 
@@ -205,11 +204,9 @@ impl Sheet<'_> {
         Ok(Found { index, source, axis, assumed, written, scaled, clock, rest: None })
     }
 
-    /// What is to be said of a scale that was given for a column.
-    pub(in super::super) fn scale_of(&self, channel: Channel, found: &Found) -> Option<Scaled> {
-        let stem = &self.columns.get(found.index)?.stem;
-        let ChannelSource { name, scale } = &found.source;
-        found.scaled.then(|| Scaled::of(channel, name, stem, *scale)).flatten()
+    /// The name of a column without the joint, with its unit.
+    pub(in super::super) fn stem_of(&self, found: &Found) -> Option<&str> {
+        self.columns.get(found.index).map(|column| column.stem.as_str())
     }
 
     /// A column as it is written.

@@ -68,8 +68,8 @@ pub(super) fn points(
     }
     let axis = velocity.axis.or(force.axis);
     let mut remarks = Remarks::default();
-    remarks.velocity.scaled = sheet.scale_of(Channel::Velocity, &velocity);
-    remarks.force.scaled = sheet.scale_of(columns.measured.channel(), &force);
+    remarks.velocity.scaled = crate::remarks::scale_of(&sheet, Channel::Velocity, &velocity);
+    remarks.force.scaled = crate::remarks::scale_of(&sheet, columns.measured.channel(), &force);
     Ok(FrictionRecording {
         path: path.into(),
         samples: points.len(),
