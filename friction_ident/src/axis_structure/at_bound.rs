@@ -1,6 +1,7 @@
 //! What helps where a nonlinear parameter lies at a bound: the lower one and the upper one ask for
 //! the opposite. And what that does to the others.
 
+use super::doubts::SIGNED;
 use super::shape::{Limits, Shape, ShapeTerm};
 use crate::estimate::{Doubt, Estimate, Estimates, Verdict};
 use crate::parameter_id::ParameterId;
@@ -25,17 +26,6 @@ pub(super) fn remedies(terms: &[ShapeTerm], limits: &Limits, estimates: &mut [Es
 
 /// Share of a bound within which a parameter lies at it.
 const AT: f64 = 1e-6;
-/// What does not change with the time between force and motion.
-const LOAD: [&str; 8] = [
-    "offset",
-    "spring",
-    "gravity_sin",
-    "gravity_cos",
-    "f_c_slope",
-    "f_c_curvature",
-    "harmonic_cos",
-    "harmonic_sin",
-];
 /// What goes into one another where a dip has no end.
 const CURVE: [&str; 3] = ["f_v", "f_c", "f_s"];
 
@@ -54,7 +44,8 @@ pub(super) fn distrust(
         let late = value < 0.0 && value <= (1.0 - AT) * term.value(&limits.low);
         match term {
             ShapeTerm::Delay if upper || late => {
-                let load = |id: ParameterId| LOAD.contains(&id.name) || id.name == "delay";
+                // A load does not change with the time between force and motion.
+                let load = |id: ParameterId| SIGNED.contains(&id.name) || id.name == "delay";
                 let why = "the delay is as long as the search allows, ten samples: force and motion are further apart, as behind a low-pass, \
                            and inertia and friction take what the delay leaves over";
                 estimates.distrust_but(load, why, if value > 0.0 { LAGS } else { COMES_LATE });

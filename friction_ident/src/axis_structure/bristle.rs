@@ -40,9 +40,8 @@ pub(super) struct Lag {
 
 impl Bristle {
     /// The deflection over its limit of Dahl's (1968) bristle, `z' = (v - |v| z) / displacement`,
-    /// solved exactly along what [`legs`] says of the way between two samples, its mean rate,
-    /// and their derivatives with respect to the displacement. It keeps its deflection while the axis
-    /// stands.
+    /// solved exactly along the [`legs`] between two samples, its mean rate, and their derivatives
+    /// with respect to the displacement. It keeps its deflection while the axis stands.
     pub fn dahl(recording: &Conditioned, displacement: f64, damping: bool) -> Self {
         let mut made = Self::default();
         let step = |[z, slope, left, left_slope]: [f64; 4], v: f64, dt: f64| {
@@ -135,8 +134,9 @@ fn legs(from: f64, to: f64, dt: f64) -> [(f64, f64); 2] {
 
 /// Takes the state of a bristle through a recording: of each stretch from the first recorded sample,
 /// at its limit in the direction of its first motion, on; what is kept begins later, when most of
-/// that is forgotten. `begin` is the state where its first motion is not known. `step` takes the state, with the deflection first, on at one velocity for a
-/// time; `keep` gets the state before and at each sample that is kept.
+/// that is forgotten. `begin` is the state where its first motion is not known. `step` takes the
+/// state, with the deflection first, on at one velocity for a time; `keep` gets the state before and
+/// at each sample that is kept.
 fn through<const N: usize>(
     recording: &Conditioned,
     begin: [f64; N],

@@ -53,8 +53,8 @@ pub struct Choice {
 /// parameters; of equals the better one. The standard error is that of the paired difference, and
 /// at most that of the best structure's own error: an excess that is uncertain because it is large
 /// gives no leave, and nor is one that is larger than a fortieth of the best error. One below a
-/// thousandth of it always does, however certain. A structure that
-/// predicts worse than one with no more parameters is never chosen.
+/// thousandth of it always does, however certain. A structure that predicts worse than one with no
+/// more parameters is never chosen.
 ///
 /// Nor is one whose friction rises over speeds that the recording only passes through, unless it
 /// leaves at most three quarters of the error of all others: what looks like a rise is most often

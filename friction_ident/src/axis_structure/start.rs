@@ -2,9 +2,10 @@
 //!
 //! An axis that begins at rest may have its bristle anywhere between its limits. What a wrong
 //! beginning adds dies out with the way, `exp(-way / displacement)` for Dahl's bristle, whose force
-//! is linear in its deflection: one unknown more for each stretch. It is taken out of columns and force
-//! before the least squares, which leaves the other parameters as if it had been fitted too (Frisch
-//! and Waugh 1933, Econometrica 1), and out of the error of a prediction, of which it is no part.
+//! is linear in its deflection: one unknown more for each stretch. It is taken out of columns and
+//! force before the least squares, which leaves the other parameters as if it had been fitted too
+//! (Frisch and Waugh 1933, Econometrica 1), and out of the error of a prediction, of which it is no
+//! part.
 
 use std::ops::Range;
 
