@@ -373,6 +373,23 @@ mod tests {
         assert_eq!(parsed(alone).unwrap().velocity, Some(vec![5.0, 6.0, 7.0]));
     }
 
+    /// A reference was taken for the torque, and a load cell for the force, without a word.
+    #[test]
+    fn a_column_that_does_not_say_what_it_is_is_told() {
+        let said = |header: &str| {
+            let rows = (0..30).map(|k| format!("{},{},{}\n", 0.1 * f64::from(k), k * k, k % 4));
+            let found = parsed(&format!("{header}\n{}", rows.collect::<String>())).unwrap();
+            found.irregularities.describe().unwrap_or_default()
+        };
+        let cell = said("t_s,table_mm,cell [N]");
+        for part in ["`table_mm` is taken for the position", "`cell [N]` is", "--force-column"] {
+            assert!(cell.contains(part), "{cell}");
+        }
+        let wanted = said("t_s,q_rad,tau_ref_Nm");
+        assert!(wanted.contains("`tau_ref_Nm`") && wanted.contains("commanded"), "{wanted}");
+        assert_eq!(said("t_s,Winkel (rad),Drehmoment (Nm)"), "");
+    }
+
     /// A tester's angle of an encoder was read as one that flies back.
     #[test]
     fn an_angle_that_wraps_goes_on_and_is_told() {

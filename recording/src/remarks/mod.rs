@@ -11,6 +11,7 @@ mod made;
 mod read;
 mod scaled;
 mod spikes;
+mod taken;
 mod watched;
 mod wrapped;
 
@@ -23,6 +24,7 @@ pub(crate) use read::Read;
 pub use scaled::Scaled;
 pub(crate) use scaled::scale_of;
 pub use spikes::Spikes;
+pub use taken::Taken;
 pub use watched::Used;
 pub(crate) use watched::{Both, Watched};
 pub use wrapped::Wrapped;
@@ -54,6 +56,9 @@ pub struct Remarks {
 /// What is to be said of one channel.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Marks {
+    /// Its name does not say plainly what it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub taken: Option<Taken>,
     /// A scale was given in place of the unit in its name.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scaled: Option<Scaled>,
@@ -74,6 +79,7 @@ impl Marks {
 
     fn and(self, other: Self) -> Self {
         Self {
+            taken: self.taken.or(other.taken),
             scaled: self.scaled.or(other.scaled),
             cut: both(self.cut, other.cut, Cut::and),
             spikes: both(self.spikes, other.spikes, Spikes::and),
@@ -81,9 +87,10 @@ impl Marks {
     }
 
     fn sentences(self) -> impl Iterator<Item = String> {
+        let taken = self.taken.map(Taken::describe);
         let scaled = self.scaled.map(Scaled::describe);
         let cut = self.cut.map(Cut::describe);
-        scaled.into_iter().chain(cut).chain(self.spikes.map(Spikes::describe))
+        taken.into_iter().chain(scaled).chain(cut).chain(self.spikes.map(Spikes::describe))
     }
 }
 

@@ -1,6 +1,6 @@
 //! What was read of a table, and what is to be said of it.
 
-use super::{Both, Remarks, Used, Watched, scale_of};
+use super::{Both, Remarks, Taken, Used, Watched, scale_of};
 use crate::AxisKind;
 use crate::column::Channel;
 use crate::sheet::{Found, Sheet};
@@ -44,18 +44,21 @@ impl Read<'_> {
             let voltage = matches!(channel, Channel::Voltage | Channel::DrivingVoltage);
             found.force.cut = found.force.cut.filter(|_| !voltage);
             found.force.scaled = scale_of(self.sheet, channel, column.0);
+            found.force.taken = Taken::of(channel, column.0);
         }
         let position = self.position.map(|column| watched(column, of(AxisKind::position_unit)));
         let velocity = self.velocity.map(|column| watched(column, of(AxisKind::velocity_unit)));
         if let (Some(position), Some((column, _))) = (position, self.position) {
             found = found.of_position(self.time, position);
             found.position.scaled = scale_of(self.sheet, Channel::Position, column);
+            found.position.taken = Taken::of(Channel::Position, column);
         }
         let used = position.is_none() || self.used != Used::Position || self.all;
         if let (Some(velocity), Some((column, _)), true) = (velocity, self.velocity, used) {
             let force = self.force.map(|(_, (_, values))| values);
             found = found.of_velocity(self.time, velocity, force);
             found.velocity.scaled = scale_of(self.sheet, Channel::Velocity, column);
+            found.velocity.taken = Taken::of(Channel::Velocity, column);
         }
         if let (Some(position), Some(velocity)) = (position, velocity) {
             found = found.compared(self.time, Both { position, velocity, used: self.used });

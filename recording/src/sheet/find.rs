@@ -201,7 +201,8 @@ impl Sheet<'_> {
         let scale = scale.or(unit.map(|unit| unit.factor)).unwrap_or(1.0);
         let written = unit.and(units::parts(stem).unit).map(str::to_owned);
         let (source, clock) = (ChannelSource { name: called, scale }, channel == Channel::Time);
-        Ok(Found { index, source, axis, assumed, written, scaled, clock, rest: None })
+        let (rest, guess) = (None, None);
+        Ok(Found { index, source, axis, assumed, written, scaled, clock, rest, guess })
     }
 
     /// The name of a column without the joint, with its unit.
@@ -214,7 +215,7 @@ impl Sheet<'_> {
         let source = ChannelSource { name: self.names[index].clone(), scale: 1.0 };
         let stem = self.columns[index].stem.clone();
         let clock = Channel::Time.recognise(&[stem]).is_some();
-        let (axis, written, rest) = (None, None, None);
-        Found { index, source, axis, assumed: true, written, scaled: false, clock, rest }
+        let (axis, written, rest, guess) = (None, None, None, None);
+        Found { index, source, axis, assumed: true, written, scaled: false, clock, rest, guess }
     }
 }

@@ -2,7 +2,7 @@
 //! and as a last resort by a unit that one column alone has.
 
 use super::words::{Nearness, Words};
-use super::{Found, Sheet};
+use super::{Found, Guess, Sheet};
 use crate::RecordingError;
 use crate::column::Channel;
 use crate::units;
@@ -19,7 +19,10 @@ impl Sheet<'_> {
     ) -> Result<Option<Found>, RecordingError> {
         match self.candidates(channel)[..] {
             [] => Ok(None),
-            [index] => self.found(channel, index, None).map(Some),
+            [index] => {
+                let found = self.found(channel, index, None)?;
+                Ok(Some(Found { guess: self.guess(channel, index), ..found }))
+            }
             _ => Err(self.unrecognised(channel)),
         }
     }
@@ -46,6 +49,16 @@ impl Sheet<'_> {
         match self.guessable(channel) && by_words.is_empty() {
             true => self.nearest(channel, &in_unit),
             false => by_words,
+        }
+    }
+
+    /// Why a column was taken that has none of the usual names of the channel.
+    fn guess(&self, channel: Channel, index: usize) -> Option<Guess> {
+        let nearness = Words::of(&self.columns.get(index)?.stem).nearness();
+        if !self.says(channel) {
+            Some(Guess::ByUnit)
+        } else {
+            (nearness > Nearness::Plain).then_some(Guess::Commanded)
         }
     }
 

@@ -60,6 +60,17 @@ pub(super) struct Found {
     pub clock: bool,
     /// The column with the other part of a time that stands in two.
     pub rest: Option<Rest>,
+    /// Why it was taken, where its name does not say so plainly.
+    pub guess: Option<Guess>,
+}
+
+/// Why a column was taken that does not say plainly what it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Guess {
+    /// It is the only one in such a unit.
+    ByUnit,
+    /// It was commanded or wanted, and nothing else was there.
+    Commanded,
 }
 
 /// A column with the other part of a time.

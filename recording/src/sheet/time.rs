@@ -85,6 +85,7 @@ impl Sheet<'_> {
             scaled: false,
             clock: true,
             rest: Some(rest),
+            guess: None,
         }
     }
 

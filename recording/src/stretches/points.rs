@@ -51,6 +51,7 @@ pub(super) fn points(
             scaled: false,
             clock: false,
             rest: None,
+            guess: None,
         });
     let wanted: Vec<&Found> = [&velocity, &force].into_iter().chain(&deviation).collect();
     let Cells { values, blank, .. } = sheet.columns(&wanted, Missing::LeftOut)?;
