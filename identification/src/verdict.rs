@@ -10,10 +10,6 @@ const ABSENT: [&str; 5] = ["inertia", "f_v", "f_c", "f_s", "sigma1"];
 #[must_use]
 pub fn said(estimate: &Estimate, doubt: &Doubt) -> String {
     match doubt {
-        // It is about the value where it names the parameter, else about the interval.
-        Doubt::NotToBeTrusted { why } if why.starts_with(&estimate.id.to_string()) => {
-            format!("not identifiable: {why}")
-        }
         Doubt::NotToBeTrusted { .. } => doubt.to_string(),
         doubt => format!("not identifiable: {}", why(estimate, doubt)),
     }
@@ -56,7 +52,6 @@ pub fn why(estimate: &Estimate, doubt: &Doubt) -> String {
         Doubt::OutsideRange { low, high } => {
             format!("it lies outside the measured range, {} to {}", end(*low), end(*high))
         }
-        Doubt::NotToBeTrusted { why } if why.starts_with(&estimate.id.to_string()) => why.clone(),
         other => other.to_string(),
     }
 }
@@ -106,12 +101,13 @@ mod tests {
         assert!(told("delay", -1e-4, large()).contains("of its value"));
         assert!(told("f_c", 1e-6, large()).contains("of its value"));
     }
+
     #[test]
     fn a_level_that_is_not_one_is_no_matter_of_its_interval() {
-        let because = |why: &str| Doubt::NotToBeTrusted { why: why.to_owned() };
-        let level = told("f_s", 1e-6, because("f_s lies below f_c"));
-        assert_eq!(level, "not identifiable: f_s lies below f_c");
-        let interval = told("f_s", 1e-6, because("the motion has one speed"));
+        let level = told("f_s", 1e-6, Doubt::NoDip { rest: "f_s".into(), kinetic: "f_c".into() });
+        assert!(level.starts_with("not identifiable: f_s lies below f_c"), "{level}");
+        let why = "the motion has one speed".to_owned();
+        let interval = told("f_s", 1e-6, Doubt::NotToBeTrusted { why });
         assert!(interval.starts_with("its interval is not to be trusted"), "{interval}");
     }
 }

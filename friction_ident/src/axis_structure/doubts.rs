@@ -90,9 +90,8 @@ fn below(structure: &AxisStructure, estimates: &mut Estimates) {
             && low <= high
             && estimate.is_identified()
         {
-            let why = format!("{f_s} lies below {f_c}: a dip is not what this recording shows");
             let remedy = "slow motion: steady speeds below and around the dip";
-            let doubt = Doubt::NotToBeTrusted { why };
+            let doubt = Doubt::NoDip { rest: f_s, kinetic: f_c };
             estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
         }
     }
@@ -146,11 +145,9 @@ mod tests {
             judge(&structure, &mut estimates);
             estimates.get("f_s").unwrap().verdict.clone()
         };
-        let below = verdict(0.358);
-        assert!(
-            matches!(&below, Verdict::NotIdentifiable { doubt: Doubt::NotToBeTrusted { why }, .. } if why.starts_with("f_s lies below f_c")),
-            "{below:?}"
-        );
+        let Verdict::NotIdentifiable { doubt, .. } = verdict(0.358) else { panic!("identified") };
+        assert_eq!(doubt, Doubt::NoDip { rest: "f_s".into(), kinetic: "f_c".into() });
+        assert!(doubt.to_string().starts_with("f_s lies below f_c"), "{doubt}");
         assert_eq!(verdict(0.45), Verdict::Identified);
     }
 }

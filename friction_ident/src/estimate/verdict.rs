@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::parameter_id::ParameterId;
+
 /// How an interval was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -123,6 +125,14 @@ pub enum Doubt {
     Negative {
         /// The value.
         value: f64,
+    },
+    /// A level at rest that does not lie above the kinetic one.
+    #[error("{rest} lies below {kinetic}: a dip is not what this recording shows")]
+    NoDip {
+        /// The level at rest.
+        rest: ParameterId,
+        /// The kinetic one.
+        kinetic: ParameterId,
     },
     /// Only its ratio to something unknown is determined.
     #[error("only its ratio to the torque per volt is determined")]
