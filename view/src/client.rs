@@ -15,6 +15,7 @@ use tokio_tungstenite::tungstenite::protocol::{Role, WebSocketConfig};
 
 use crate::Access;
 use crate::caller::Caller;
+use crate::pace::Pace;
 use crate::protocol::incoming::Said;
 use crate::protocol::reading::{self, Bytes};
 use crate::protocol::{incoming, outgoing};
@@ -61,27 +62,34 @@ pub(crate) async fn serve(stream: TokioIo<Upgraded>, shared: &Arc<Shared>, acces
     let services = steering.services();
     queue.answer(Out::Text(outgoing::advertise_services(&services)));
     let caller = Caller::new(steering, shared.hub.clone(), Arc::clone(&queue), services, access);
-    let mut viewer = Viewer { shared, number, queue: &queue, caller, own: BTreeMap::new() };
+    let pace = Pace::default();
+    let own = BTreeMap::new();
+    let mut viewer = Viewer { shared, number, queue: &queue, pace: &pace, caller, own };
     let (sink, stream) = socket.split();
     tokio::select! {
-        () = tell(sink, &queue) => {}
+        () = tell(sink, &queue, &pace) => {}
         () = viewer.listen(stream) => {}
     }
     shared.hub.leave(number);
 }
 
 /// Sends what waits, until the viewer does not take it any more.
-async fn tell(mut sink: SplitSink<Socket, Message>, queue: &Queue) {
+async fn tell(mut sink: SplitSink<Socket, Message>, queue: &Queue, pace: &Pace) {
+    let mark = || Message::Ping(bytes::Bytes::copy_from_slice(&pace.mark()));
     let mut life = interval(LIFE);
     life.set_missed_tick_behavior(MissedTickBehavior::Delay);
     let mut told = 0;
     loop {
-        while let Some(out) = queue.take() {
+        while let Some(out) = queue.take(pace.is_open()) {
+            let mark_is_due = pace.sent(out.len());
             let message = match out {
                 Out::Text(text) => Message::text(text),
                 Out::Binary(bytes) => Message::binary(bytes),
             };
             let Ok(Ok(())) = timeout(STUCK, sink.feed(message)).await else { return };
+            if mark_is_due {
+                let Ok(Ok(())) = timeout(STUCK, sink.feed(mark())).await else { return };
+            }
         }
         let Ok(Ok(())) = timeout(STUCK, sink.flush()).await else { return };
         if queue.is_closed() {
@@ -90,8 +98,7 @@ async fn tell(mut sink: SplitSink<Socket, Message>, queue: &Queue) {
         tokio::select! {
             () = queue.stirred.notified() => {}
             _ = life.tick() => {
-                let ping = Message::Ping(bytes::Bytes::new());
-                let Ok(Ok(())) = timeout(STUCK, sink.feed(ping)).await else { return };
+                let Ok(Ok(())) = timeout(STUCK, sink.feed(mark())).await else { return };
                 let dropped = queue.dropped();
                 if dropped > told {
                     told = dropped;
@@ -107,6 +114,7 @@ struct Viewer<'a> {
     shared: &'a Shared,
     number: u64,
     queue: &'a Queue,
+    pace: &'a Pace,
     caller: Caller,
     /// Topics of its own channels.
     own: BTreeMap<u32, String>,
@@ -120,6 +128,10 @@ impl Viewer<'_> {
             match message {
                 Message::Text(text) => self.text(&text),
                 Message::Binary(bytes) => self.bytes(&bytes),
+                Message::Pong(mark) => {
+                    self.pace.came_back(&mark);
+                    self.queue.stirred.notify_one();
+                }
                 Message::Close(_) => return,
                 _ => {}
             }

@@ -224,12 +224,12 @@ mod tests {
         }
         let queue = Arc::new(Queue::default());
         let viewer = hub.enter(&queue);
-        queue.take();
+        queue.take(true);
         hub.subscribe(viewer, 1, 1).unwrap();
         for (time, line) in [(3, b"b"), (4, b"c")] {
-            assert_eq!(queue.take(), Some(Out::Binary(writing::message(1, time, line))));
+            assert_eq!(queue.take(true), Some(Out::Binary(writing::message(1, time, line))));
         }
-        assert_eq!(queue.take(), None);
+        assert_eq!(queue.take(true), None);
     }
 
     #[test]
@@ -240,9 +240,9 @@ mod tests {
         hub.publish(channel, 2, b"{\"a\":1}");
         let queue = Arc::new(Queue::default());
         let viewer = hub.enter(&queue);
-        assert!(matches!(queue.take(), Some(Out::Text(text)) if text.contains("\"/state\"")));
+        assert!(matches!(queue.take(true), Some(Out::Text(text)) if text.contains("\"/state\"")));
         hub.subscribe(viewer, 7, 1).unwrap();
-        let Some(Out::Binary(bytes)) = queue.take() else { panic!("nothing came") };
+        let Some(Out::Binary(bytes)) = queue.take(true) else { panic!("nothing came") };
         assert_eq!(bytes, writing::message(7, 2, b"{\"a\":1}"));
         assert!(hub.subscribe(viewer, 8, 0).is_err());
         assert!(hub.subscribe(viewer, 8, 2).is_err());

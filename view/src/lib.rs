@@ -25,6 +25,7 @@ mod files;
 mod http;
 mod hub;
 mod origin;
+mod pace;
 mod protocol;
 mod queue;
 mod server;

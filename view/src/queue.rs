@@ -12,7 +12,7 @@ use tokio::sync::Notify;
 /// Messages that wait at most.
 const MESSAGES: usize = 8192;
 /// Bytes of messages that wait at most.
-const BYTES: usize = 4 << 20;
+const BYTES: usize = 1 << 20;
 /// Answers that wait at most.
 const ANSWERS: usize = 1024;
 /// Bytes of answers that wait at most.
@@ -28,7 +28,7 @@ pub(crate) enum Out {
 }
 
 impl Out {
-    fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         match self {
             Self::Text(text) => text.len(),
             Self::Binary(bytes) => bytes.len(),
@@ -81,14 +81,14 @@ impl Queue {
         self.stirred.notify_one();
     }
 
-    /// The next to go out: answers first.
-    pub(crate) fn take(&self) -> Option<Out> {
+    /// The next to go out: answers first, messages only where they may.
+    pub(crate) fn take(&self, messages: bool) -> Option<Out> {
         let mut lanes = self.lanes();
         if let Some(answer) = lanes.answers.pop_front() {
             lanes.answer_bytes -= answer.len();
             return Some(answer);
         }
-        let message = lanes.messages.pop_front()?;
+        let message = if messages { lanes.messages.pop_front()? } else { return None };
         lanes.bytes -= message.len();
         Some(Out::Binary(message))
     }
@@ -119,7 +119,7 @@ mod tests {
         }
         assert_eq!(queue.dropped(), 10);
         assert_eq!(
-            queue.take(),
+            queue.take(true),
             Some(Out::Binary(Bytes::copy_from_slice(&10_usize.to_le_bytes())))
         );
     }
@@ -128,7 +128,7 @@ mod tests {
     fn large_messages_do_not_fill_the_memory() {
         let queue = Queue::default();
         for _ in 0..100 {
-            queue.message(Bytes::from(vec![0; 1 << 20]));
+            queue.message(Bytes::from(vec![0; BYTES / 4]));
         }
         assert_eq!(queue.dropped(), 96);
         assert!(queue.lanes().bytes <= BYTES);
@@ -139,12 +139,13 @@ mod tests {
         let queue = Queue::default();
         queue.message(Bytes::from_static(b"message"));
         queue.answer(Out::Text("answer".into()));
-        assert_eq!(queue.take(), Some(Out::Text("answer".into())));
+        assert_eq!(queue.take(false), Some(Out::Text("answer".into())));
+        assert_eq!(queue.take(false), None);
         assert!(!queue.is_closed());
         for _ in 0..=ANSWERS {
             queue.answer(Out::Text("answer".into()));
         }
         assert!(queue.is_closed());
-        assert_eq!(queue.take(), None);
+        assert_eq!(queue.take(true), None);
     }
 }

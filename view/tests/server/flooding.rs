@@ -39,6 +39,47 @@ fn a_viewer_that_does_not_read_loses_its_own_messages_only() {
 }
 
 #[test]
+fn an_answer_overtakes_what_a_slow_viewer_has_not_read() {
+    let server = Server::start("127.0.0.1");
+    let mut viewer = server.viewer(None);
+    viewer.say(&json!({ "op": "subscribe", "subscriptions": [{ "id": 1, "channelId": 1 }] }));
+    viewer.say(&json!({ "op": "getParameters", "parameterNames": [], "id": "x" }));
+    viewer.hear_op("parameterValues");
+    // More than the system keeps between the two; it is given the time to.
+    let message = vec![b'x'; 1 << 10];
+    let began = Instant::now();
+    let mut number = 0;
+    while number < 32 << 10 || server.view.hub().dropped() < 1000 {
+        assert!(began.elapsed() < PATIENCE, "nothing is lost");
+        server.view.hub().publish(server.channel, number, &message);
+        number += 1;
+        if number % 64 == 0 {
+            thread::sleep(Duration::from_millis(2));
+        }
+    }
+    viewer.call(1, 5);
+    let (mut before, mut last) = (0, 0);
+    loop {
+        let bytes = viewer.hear_bytes();
+        if bytes[0] == 3 {
+            break;
+        }
+        before += bytes.len();
+        last = u64::from_le_bytes(bytes[5..13].try_into().unwrap());
+    }
+    // What was under way, and, where the answer was long in coming, what else waited.
+    assert!(before < 3 << 19, "{before} bytes of messages came before the answer");
+    // What it reads afterwards is the newest, and no more than a second of a rig's messages is old.
+    let mut older = 0;
+    while last + 1 < number {
+        let bytes = viewer.hear_bytes();
+        older += bytes.len();
+        last = u64::from_le_bytes(bytes[5..13].try_into().unwrap());
+    }
+    assert!(older < 2 << 20, "{older} bytes of messages are older than the newest");
+}
+
+#[test]
 fn a_huge_frame_ends_its_own_viewer() {
     let server = Server::start("127.0.0.1");
     let mut other = server.viewer(None);
