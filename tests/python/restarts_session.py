@@ -41,7 +41,7 @@ def without_observer(bench, how):
     bench.hear(0.4)
     told = {
         "friction": max((abs(s.friction) for s in bench.states[-100:]), default=None),
-        "velocity": sum(m.tachometer_velocity for m in bench.measured[-200:]) / max(1, len(bench.measured[-200:])),
+        "moves": bench.moves(1.0),
         "faults": sum(m.fault for m in bench.measured),
     }
     bench.start("friction_observer")

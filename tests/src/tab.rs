@@ -15,8 +15,8 @@ use tokio_tungstenite::tungstenite::client;
 use tokio_tungstenite::tungstenite::protocol::{WebSocket, WebSocketConfig};
 use tokio_tungstenite::tungstenite::{Message, client::IntoClientRequest};
 
-/// Longest wait for anything that must come.
-const PATIENCE: Duration = Duration::from_secs(120);
+/// Longest wait for anything that must come: a machine may be busy with something else.
+const PATIENCE: Duration = Duration::from_secs(300);
 /// How often the page is asked again.
 const AGAIN: Duration = Duration::from_millis(50);
 
@@ -158,6 +158,15 @@ impl Tab {
     pub fn hold(&mut self, selector: &str) {
         let at = self.middle(selector);
         self.mouse("mousePressed", at);
+    }
+
+    /// Lets the mouse go on an element that was [held](Self::hold).
+    ///
+    /// # Panics
+    /// When it does not become ready for it.
+    pub fn let_go(&mut self, selector: &str) {
+        let at = self.middle(selector);
+        self.mouse("mouseReleased", at);
     }
 
     fn mouse(&mut self, kind: &str, (x, y): (f64, f64)) {

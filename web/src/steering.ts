@@ -172,7 +172,10 @@ export class Steering {
 
   private async endJog(): Promise<void> {
     this.volts = 0;
-    if (!(await this.change("rig_driver", "deactivate"))) return;
+    // A rig that is in a fault rests already.
+    if ((await this.phase("rig_driver")) === "active") {
+      if (!(await this.change("rig_driver", "deactivate"))) return;
+    }
     this.stopJogging();
     await this.change("controller", "activate");
   }
