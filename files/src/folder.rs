@@ -7,6 +7,9 @@ use std::path::{Path, PathBuf};
 use super::{OutputError, first_missing, remove_empty, write_all};
 use crate::durable;
 
+/// How often the folder of runs may vanish while a folder is made in it.
+const VANISHES: u32 = 1000;
+
 /// A folder for the results of one command. It is there from the start, so that a folder that
 /// cannot be written is told before the work and not after it, and is removed when nothing was
 /// written.
@@ -59,12 +62,23 @@ impl Folder {
     fn numbered(runs: &Path, name: &str) -> Result<Self, OutputError> {
         let fail = |source| OutputError::Write { path: runs.to_owned(), source };
         let mut number: u64 = 1;
-        // Another program may remove the folder of runs, which it made in vain, between the two
-        // steps.
+        // Another program may remove the folder of runs, which it made in vain, between any two steps,
+        // also those within `create_dir_all`.
         let mut vanished = 0;
         loop {
             let top = first_missing(runs);
-            fs::create_dir_all(runs).map_err(fail)?;
+            match fs::create_dir_all(runs) {
+                Ok(()) => {}
+                Err(error)
+                    if matches!(error.kind(), ErrorKind::AlreadyExists | ErrorKind::NotFound)
+                        && vanished < VANISHES
+                        && runs.symlink_metadata().map_or(true, |found| found.is_dir()) =>
+                {
+                    vanished += 1;
+                    continue;
+                }
+                Err(source) => return Err(fail(source)),
+            }
             let path = runs.join(format!("{name}-{number}"));
             match fs::create_dir(&path) {
                 Ok(()) => {
@@ -72,7 +86,7 @@ impl Folder {
                     return Ok(Self { path, made });
                 }
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => number += 1,
-                Err(error) if error.kind() == ErrorKind::NotFound && vanished < 1000 => {
+                Err(error) if error.kind() == ErrorKind::NotFound && vanished < VANISHES => {
                     vanished += 1
                 }
                 Err(source) => return Err(OutputError::Write { path, source }),
