@@ -33,7 +33,7 @@ impl StructureFit {
         let (own, scale) = (self.structure, self.position_scale);
         let rivals = rivals.iter().filter_map(|rival| Said::of(recording, rival, scale));
         let mut all: Vec<Said> = rivals.collect();
-        if let Some(sliding) = sliding::said(recording, own, &self.shape, scale) {
+        if let Some(sliding) = sliding::said(recording, own, &self.shape, scale, &self.estimates) {
             let outside = |estimate: &Estimate| {
                 let value = sliding.value(estimate.id, own)?;
                 let inside = estimate.interval.is_none_or(|interval| interval.contains(value));

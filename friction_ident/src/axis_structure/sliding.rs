@@ -17,7 +17,8 @@ use super::search::Projection;
 use super::shape::{LONGEST_DELAY, PositionScale, Shape};
 use super::stability::variances;
 use crate::conditioning::{Conditioned, Piece};
-use crate::parameter_id::ParameterId;
+use crate::estimate::{Estimates, Interval};
+use crate::finite::finite;
 use crate::statistics::{quantile, sorted};
 
 /// Share of the usual largest speed below which an axis does not count as sliding, and as moving.
@@ -34,16 +35,25 @@ const TOLD: f64 = 0.1;
 /// of so many samples.
 const MOST_SAMPLES: usize = 500_000;
 const EXCERPT: usize = 10_000;
+/// Of what it tells less, what it says must be off by so many of its own errors at least.
+const CERTAIN: f64 = 3.0;
+/// Runs of rows that errors need.
+const RUNS: usize = 10;
+/// What a prompt force leaves over, as a share of what a late one does, below which there is no delay.
+const PROMPT: f64 = 0.9;
 /// Rows for each parameter that a fit needs.
 const ROWS_EACH: usize = 10;
 
-/// What the sliding says of the parameters of which it tells enough, in a structure of that shape;
-/// none where the axis hardly slides.
+/// What the sliding says of the parameters, in a structure of that shape: of those of which it tells
+/// enough, and of those of which it says for certain that they lie outside the interval of their
+/// estimate. Most of what a recording tells of the inertia may lie where an axis breaks away, and be
+/// wrong there. None where the axis hardly slides.
 pub(super) fn said(
     recording: &Conditioned,
     of: AxisStructure,
     shape: &Shape,
     scale: PositionScale,
+    estimates: &Estimates,
 ) -> Option<Said> {
     let pieces = excerpts(&recording.pieces, recording.velocity.len(), MOST_SAMPLES);
     let fine = Conditioned { decimate: 1, pieces, ..recording.clone() };
@@ -60,7 +70,8 @@ pub(super) fn said(
     // A delay that stands for what happens at the reversals is not there where the axis slides.
     let prompt = Shape { delay: 0.0, ..*shape };
     let shapes = if structure.delay { vec![*shape, prompt] } else { vec![prompt] };
-    let mut best: Option<(f64, DVector<f64>, DMatrix<f64>)> = None;
+    let mut best: Option<(DVector<f64>, DVector<f64>, DMatrix<f64>)> = None;
+    let mut no_delay = false;
     for shape in &shapes {
         let matrix = regressors.matrix(shape).ok()?;
         let own = matrix.select_rows(&slides);
@@ -68,18 +79,61 @@ pub(super) fn said(
             return None;
         }
         let (x, rest) = Projection::new(own)?.rest(&regressors.force.select_rows(&slides));
-        let rest = rest.norm_squared();
-        if best.as_ref().is_none_or(|(least, ..)| rest < *least) {
+        if best.as_ref().is_none_or(|(least, ..)| rest.norm() < least.norm()) {
+            // The prompt one comes last.
+            no_delay = best.is_some_and(|(late, ..)| rest.norm() < PROMPT * late.norm());
             best = Some((rest, x, matrix));
         }
     }
-    let (_, x, matrix) = best?;
-    let told = told(&matrix.select_rows(&slides), &matrix.select_rows(&moves))?;
-    let ids = unknowns.into_iter().map(|unknown| unknown.id);
-    let values = ids.zip(x.iter().copied()).zip(told);
-    let values: Vec<(ParameterId, f64)> =
-        values.filter_map(|(value, told)| told.then_some(value)).collect();
+    let (rest, x, matrix) = best?;
+    let own = matrix.select_rows(&slides);
+    let told = told(&own, &matrix.select_rows(&moves))?;
+    let errors = errors(&own, &rest, &slides);
+    let mut values = Vec::new();
+    for (k, (unknown, value)) in unknowns.into_iter().zip(x.iter().copied()).enumerate() {
+        let id = unknown.id;
+        let error = errors.as_ref().map_or(f64::INFINITY, |errors| errors[k]);
+        let interval = estimates.get(id).and_then(|estimate| estimate.interval);
+        if told[k] || interval.is_some_and(|interval| certain(value, error, interval)) {
+            values.push((id, value));
+        }
+    }
+    if no_delay && errors.is_some() {
+        values.push(("delay".into(), 0.0));
+    }
     Some(Said { structure, values })
+}
+
+/// Whether a value with that standard error lies outside an interval for certain.
+fn certain(value: f64, error: f64, interval: Interval) -> bool {
+    let off = (interval.low - value).max(value - interval.high);
+    off > CERTAIN * error
+}
+
+/// Standard errors of a fit to rows that stand in runs, each independent of the others whatever is
+/// within it (the sandwich over clusters; Liang and Zeger 1986, Biometrika 73). None where there are
+/// few.
+fn errors(matrix: &DMatrix<f64>, rest: &DVector<f64>, rows: &[usize]) -> Option<Vec<f64>> {
+    let runs: Vec<usize> = rows.chunk_by(|a, b| a + 1 == *b).map(<[usize]>::len).collect();
+    if runs.len() < RUNS {
+        return None;
+    }
+    let scale: Vec<f64> = matrix.column_iter().map(|column| column.norm()).collect();
+    let mut own = matrix.clone();
+    own.column_iter_mut().zip(&scale).for_each(|(mut column, scale)| column /= *scale);
+    let bread = finite(finite(own.tr_mul(&own))?.try_inverse()?)?;
+    let mut scores = DMatrix::zeros(own.ncols(), runs.len());
+    let mut first = 0;
+    for (k, count) in runs.iter().copied().enumerate() {
+        scores.set_column(k, &own.rows(first, count).tr_mul(&rest.rows(first, count)));
+        first += count;
+    }
+    let few = runs.len() as f64 / (runs.len() as f64 - 1.0);
+    let errors = (bread * scores)
+        .row_iter()
+        .map(|row| (few * row.norm_squared()).sqrt())
+        .collect::<Vec<_>>();
+    Some(errors.iter().zip(scale).map(|(error, scale)| error / scale).collect())
 }
 
 /// The stretches of a recording of `samples`, or every so many parts of them, so that no more than
@@ -134,41 +188,88 @@ mod tests {
     use super::super::fit_structure;
     use super::*;
     use crate::conditioning::{Conditioning, Signals, condition};
+    use crate::estimate::IntervalMethod;
 
     const INERTIA: f64 = 1.0;
+    const LIGHT: f64 = 0.175;
     const F_C: f64 = 2.0;
     const F_V: f64 = 0.3;
 
     /// A joint that a position loop moves from place to place, at 125 Hz. It sticks before it moves
     /// and after it has.
     fn moves() -> Conditioned {
-        let (dt, every) = (2e-4, 40);
-        let (mut q, mut v, mut wound) = (0.0f64, 0.0f64, 0.0f64);
-        let (mut place, mut force) = (Vec::new(), Vec::new());
-        for k in 0..300_000 {
-            let t = dt * f64::from(k);
+        let goal = |number: f64| if number < 1.0 { 0.0 } else { 0.8 * (2.4 * number).sin() };
+        let wanted = |t: f64| {
             let (number, since) = ((t / 1.6).floor(), t % 1.6);
-            let goal = |number: f64| if number < 1.0 { 0.0 } else { 0.8 * (2.4 * number).sin() };
             let (from, to) = (goal(number), goal(number + 1.0));
             let part = (since / 1.1).min(1.0);
             let way = part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part);
             let rate = 30.0 * part.powi(2) * (1.0 - part).powi(2) / 1.1;
-            let (wanted, wanted_v) = (from + (to - from) * way, (to - from) * rate);
-            wound += 300.0 * (wanted - q) * dt;
-            let torque = 400.0 * (wanted - q) + 30.0 * (wanted_v - v) + wound;
-            if k % every == 0 {
-                place.push((q / 2e-4).round() * 2e-4);
-                force.push(torque);
+            (from + (to - from) * way, (to - from) * rate)
+        };
+        let (seconds, gains) = (60.0, [400.0, 30.0, 300.0]);
+        Loop { inertia: INERTIA, level: |_| F_C, gains, step: 2e-4, every: 40, resolution: 2e-4 }
+            .recorded(seconds, wanted)
+    }
+
+    /// A slide that breaks away at one and a half times its kinetic friction, under a position loop
+    /// that winds up until it does: it sticks at every reversal.
+    fn breaks_away() -> Conditioned {
+        let wanted = |t: f64| {
+            let begun = (t / 0.5).min(1.0).powi(2);
+            let wave = |k: i32| {
+                let rate = 0.1 * 20f64.powf(f64::from(k) / 5.0);
+                let (size, w) = (0.05 / 6.0 * (0.1 / rate).powf(0.7), std::f64::consts::TAU * rate);
+                let (sin, cos) = (w * t + 1.7 * f64::from(k * k)).sin_cos();
+                (size * sin, size * w * cos)
+            };
+            let add = |(q, v): (f64, f64), (more, faster): (f64, f64)| (q + more, v + faster);
+            let (q, v) = (0..6).map(wave).fold((0.0, 0.0), add);
+            (begun * q, begun * v)
+        };
+        let level = |v: f64| F_C * (1.0 + 0.5 * (-(v / 0.01).powi(2)).exp());
+        let (inertia, w) = (LIGHT, 63.0);
+        let gains = [inertia * w * w, 2.0 * inertia * w, 0.3 * inertia * w * w * w];
+        Loop { inertia, level, gains, step: 5e-5, every: 20, resolution: 2e-7 }
+            .recorded(40.0, wanted)
+    }
+
+    /// An axis with rigid friction of a level under a position loop, and how it is recorded.
+    struct Loop {
+        inertia: f64,
+        level: fn(f64) -> f64,
+        gains: [f64; 3],
+        step: f64,
+        every: usize,
+        resolution: f64,
+    }
+
+    impl Loop {
+        fn recorded(&self, seconds: f64, wanted: impl Fn(f64) -> (f64, f64)) -> Conditioned {
+            let &Self { inertia, level, gains: [k_p, k_d, k_i], step: dt, every, resolution } =
+                self;
+            let (mut q, mut v, mut wound) = (0.0f64, 0.0f64, 0.0f64);
+            let (mut place, mut force) = (Vec::new(), Vec::new());
+            for k in 0..(seconds / dt) as usize {
+                let (wanted, wanted_v) = wanted(dt * k as f64);
+                wound += k_i * (wanted - q) * dt;
+                let torque = k_p * (wanted - q) + k_d * (wanted_v - v) + wound;
+                if k % every == 0 {
+                    place.push((q / resolution).round() * resolution);
+                    force.push(torque);
+                }
+                // Friction stops it before it turns it round.
+                let driven = v + (torque - F_V * v) * dt / inertia;
+                v = driven.signum() * (driven.abs() - level(v) * dt / inertia).max(0.0);
+                q += v * dt;
             }
-            // Friction stops it before it turns it round.
-            let driven = v + (torque - F_V * v) * dt / INERTIA;
-            v = driven.signum() * (driven.abs() - F_C * dt / INERTIA).max(0.0);
-            q += v * dt;
+            let time_step = dt * every as f64;
+            let signals =
+                Signals { time_step, position: Some(&place), velocity: None, force: &force };
+            let found =
+                condition(&signals, &Conditioning::for_motion(time_step, &[signals])).unwrap();
+            found.moving().unwrap().0
         }
-        let signals =
-            Signals { time_step: 8e-3, position: Some(&place), velocity: None, force: &force };
-        let found = condition(&signals, &Conditioning::for_motion(8e-3, &[signals])).unwrap();
-        found.moving().unwrap().0
     }
 
     #[test]
@@ -183,7 +284,8 @@ mod tests {
         let shape = Shape { delay: 0.0, v_s: 1.0, displacement: 1.0, period: 1.0, ratio: 1.0 };
         let part = Conditioned { pieces: parts, ..recording.clone() };
         for recording in [recording, part] {
-            let said = said(&recording, structure, &shape, scale).unwrap();
+            let none = &Estimates::default();
+            let said = said(&recording, structure, &shape, scale, none).unwrap();
             let f_v = said.value("f_v".into(), structure).unwrap();
             assert!((f_v / F_V - 1.0).abs() < 0.02, "{f_v}");
         }
@@ -212,5 +314,53 @@ mod tests {
         }
         let said = fit.sliding.iter().find(|(said, _)| *said == "f_v".into()).unwrap().1;
         assert!((said / F_V - 1.0).abs() < 0.02, "{said}");
+    }
+
+    /// The structure made a delay, and a larger inertia, of what happens where the axis breaks away.
+    #[test]
+    fn a_delay_that_is_not_there_where_the_axis_slides_is_none() {
+        let recording = breaks_away();
+        let structure = "symmetric+stribeck+presliding+damping+delay".parse().unwrap();
+        let mut fit = fit_structure(&recording, structure, &AxisUnits::ROTARY).unwrap();
+        let own = fit.estimates.clone();
+        fit.heed(&recording, &[]);
+        for (name, truth) in [("inertia", LIGHT), ("f_v", F_V), ("f_c", F_C), ("delay", 0.0)] {
+            let estimate = fit.estimates.get(name).unwrap();
+            assert!(estimate.interval.unwrap().contains(truth), "{estimate:?}");
+            let before = own.get(name).unwrap().interval.unwrap();
+            assert!(name != "delay" || !before.contains(truth), "{before:?}");
+        }
+        assert!(fit.sliding.contains(&("delay".into(), 0.0)), "{:?}", fit.sliding);
+    }
+
+    #[test]
+    fn what_is_outside_by_less_than_it_is_sure_does_not_count() {
+        let interval = Interval { low: 1.0, high: 2.0, method: IntervalMethod::Robust };
+        for (value, error, outside) in [
+            (0.6, 0.1, true),
+            (0.8, 0.1, false),
+            (2.4, 0.1, true),
+            (2.2, 0.1, false),
+            (1.5, 1e-3, false),
+            (5.0, f64::INFINITY, false),
+            (f64::NAN, 0.1, false),
+        ] {
+            assert_eq!(certain(value, error, interval), outside, "{value} {error}");
+        }
+    }
+
+    /// Runs of equal residuals beside one constant: each counts once, however many rows it has.
+    #[test]
+    fn a_run_of_rows_counts_once() {
+        let (runs, each) = (12, 7);
+        let rows: Vec<usize> = (0..runs * each).map(|k| k + k / each).collect();
+        let matrix = DMatrix::from_element(rows.len(), 1, 2.0);
+        let of = |k: usize| ((k / each) as f64).sin();
+        let rest = DVector::from_iterator(rows.len(), (0..rows.len()).map(of));
+        let square: f64 = (0..runs).map(|run| of(run * each).powi(2)).sum();
+        let expected = (square / (runs * (runs - 1)) as f64).sqrt() / 2.0;
+        let found = errors(&matrix, &rest, &rows).unwrap()[0];
+        assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+        assert_eq!(errors(&matrix, &rest, &(0..rows.len()).collect::<Vec<_>>()), None);
     }
 }
