@@ -117,6 +117,7 @@ const client: Client = new Client(
       commission.services(names);
       runs.services(names);
     },
+    wants: (topic) => SHOWN.has(kind(topic)),
     message: take,
     status(level, text, id) {
       if (id === "losses") losses.viewer = text;
@@ -142,8 +143,18 @@ function put(message: Message, columns: [Column, string][]): number {
 }
 
 /** Topics may lie in a namespace: their last part tells which it is. */
+function kind(topic: string): string {
+  return topic.slice(topic.lastIndexOf("/") + 1);
+}
+
+/** What is shown. Each of the others costs time a thousand times a second. */
+const SHOWN = new Set([
+  "rig_measurement", "controller_state", "friction_estimate", "diagnostics", "experiment_status",
+  "parameters", "commission", "curve", "rosout",
+]);
+
 function take(topic: string, _time: number, message: Message): void {
-  switch (topic.slice(topic.lastIndexOf("/") + 1)) {
+  switch (kind(topic)) {
     case "rig_measurement": return measured(message);
     case "controller_state":
       put(message, [["reference", "reference"], ["feedback", "feedback"], ["error", "error"]]);
@@ -259,6 +270,8 @@ matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
   for (const plot of plots) plot.drawn.make();
 });
 
+/** Time between two pictures [ms]. */
+const PICTURE = 33;
 /** Share of the time that drawing may take. */
 const SHARE = 0.5;
 let next = 0;
@@ -277,8 +290,9 @@ function frame(at: number): void {
   stribeck.draw();
   hysteresis.draw();
   frames++;
-  // A slow machine draws less often, and has time left for messages.
-  next = at + Math.min(250, (performance.now() - began) / SHARE - 8);
+  // Thirty pictures a second are enough; a slow machine draws less often, and has time left for
+  // messages.
+  next = at + Math.min(250, Math.max(PICTURE, (performance.now() - began) / SHARE) - 8);
   if (at > slow + 1000) {
     slow = at;
     everySecond();

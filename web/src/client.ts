@@ -36,6 +36,8 @@ export interface Playback {
 }
 
 export interface Listener {
+  /** Whether messages of a topic are wanted: others need not come. */
+  wants(topic: string): boolean;
   /** The way is open, with what the server says of itself. */
   opened(info: Info): void;
   /** It is closed. */
@@ -205,6 +207,7 @@ export class Client {
       case "advertise": {
         const subscriptions = [];
         for (const channel of said.channels as Channel[]) {
+          if (!this.listener.wants(channel.topic)) continue;
           const schema = channel.encoding === "cdr" ? readSchema(channel.schema) : undefined;
           this.channels.set(channel.id, { channel, schema });
           subscriptions.push({ id: channel.id, channelId: channel.id });
