@@ -141,14 +141,17 @@ export class Steering {
     }
   }
 
+  /** Whether a node rests: one in a fault does already, an active one is deactivated. */
+  private async rests(node: string): Promise<boolean> {
+    const phase = await this.phase(node);
+    if (phase === "inactive" || phase === "unconfigured") return true;
+    // Of one that does not tell its state nothing is believed.
+    return this.change(node, "deactivate");
+  }
+
   /** Hands the motor to this page: the controller rests, the driver takes voltages from here. */
   private async ready(): Promise<void> {
-    if ((await this.phase("rig_driver")) === "active") {
-      if (!(await this.change("rig_driver", "deactivate"))) return;
-    }
-    if ((await this.phase("controller")) === "active") {
-      if (!(await this.change("controller", "deactivate"))) return;
-    }
+    if (!(await this.rests("rig_driver")) || !(await this.rests("controller"))) return;
     this.volts = 0;
     // The driver must have found this commander when it begins to wait for voltages.
     this.jogging = window.setInterval(() => {
@@ -172,10 +175,7 @@ export class Steering {
 
   private async endJog(): Promise<void> {
     this.volts = 0;
-    // A rig that is in a fault rests already.
-    if ((await this.phase("rig_driver")) === "active") {
-      if (!(await this.change("rig_driver", "deactivate"))) return;
-    }
+    if (!(await this.rests("rig_driver"))) return;
     this.stopJogging();
     await this.change("controller", "activate");
   }
