@@ -1,7 +1,7 @@
 // The page: what comes is kept, what is kept is drawn, what is asked is sent.
 
 import { Message } from "./cdr";
-import { Client } from "./client";
+import { Client, Taker } from "./client";
 import { Commission } from "./commission";
 import { Curve, Curves } from "./curves";
 import { by, make, write } from "./dom";
@@ -117,8 +117,8 @@ const client: Client = new Client(
       commission.services(names);
       runs.services(names);
     },
-    wants: (topic) => SHOWN.has(kind(topic)),
-    message: take,
+    // Topics may lie in a namespace: their last part tells which it is.
+    taker: (topic) => SHOWN.get(topic.slice(topic.lastIndexOf("/") + 1)),
     status(level, text, id) {
       if (id === "losses") losses.viewer = text;
       else log(level === 2 ? "error" : level === 1 ? "warn" : "", "view", text);
@@ -142,45 +142,31 @@ function put(message: Message, columns: [Column, string][]): number {
   return row;
 }
 
-/** Topics may lie in a namespace: their last part tells which it is. */
-function kind(topic: string): string {
-  return topic.slice(topic.lastIndexOf("/") + 1);
-}
-
-/** What is shown. Each of the others costs time a thousand times a second. */
-const SHOWN = new Set([
-  "rig_measurement", "controller_state", "friction_estimate", "diagnostics", "experiment_status",
-  "parameters", "commission", "curve", "rosout",
+/** What is shown, and by whom. Each other topic would cost time a thousand times a second. */
+const SHOWN = new Map<string, Taker>([
+  ["rig_measurement", measured],
+  ["controller_state", (message) =>
+    void put(message, [["reference", "reference"], ["feedback", "feedback"], ["error", "error"]])],
+  ["friction_estimate", (message) =>
+    void put(message, [["estimate", "torque"], ["residual", "residual"]])],
+  ["diagnostics", diagnostics],
+  ["experiment_status", (message) => experiments.status(message)],
+  ["parameters", (message) => {
+    by("settings").hidden = false;
+    parameters.take(message as never);
+    limits();
+  }],
+  ["commission", (message) => commission.take(message as never)],
+  ["curve", (message) => {
+    stribeck.curve = message as never;
+    write(by("curve-model"), `(${String(message["model"])})`);
+  }],
+  ["rosout", (message) => {
+    const level = Number(message["level"]);
+    log(level >= 4 ? "error" : level === 3 ? "warn" : "", String(message["name"]),
+      String(message["message"]));
+  }],
 ]);
-
-function take(topic: string, _time: number, message: Message): void {
-  switch (kind(topic)) {
-    case "rig_measurement": return measured(message);
-    case "controller_state":
-      put(message, [["reference", "reference"], ["feedback", "feedback"], ["error", "error"]]);
-      return;
-    case "friction_estimate":
-      put(message, [["estimate", "torque"], ["residual", "residual"]]);
-      return;
-    case "diagnostics": return diagnostics(message);
-    case "experiment_status": return experiments.status(message);
-    case "parameters":
-      by("settings").hidden = false;
-      parameters.take(message as never);
-      limits();
-      return;
-    case "commission": return commission.take(message as never);
-    case "curve":
-      stribeck.curve = message as never;
-      write(by("curve-model"), `(${String(message["model"])})`);
-      return;
-    case "rosout": {
-      const level = Number(message["level"]);
-      log(level >= 4 ? "error" : level === 3 ? "warn" : "", String(message["name"]),
-        String(message["message"]));
-    }
-  }
-}
 
 function measured(message: Message): void {
   const number = message["cycle"] as bigint;

@@ -35,14 +35,20 @@ export interface Playback {
   sought: boolean;
 }
 
+export type Taker = (message: Message) => void;
+
+interface Subscribed {
+  take: Taker;
+  schema: Schema | undefined;
+}
+
 export interface Listener {
-  /** Whether messages of a topic are wanted: others need not come. */
-  wants(topic: string): boolean;
+  /** Who takes the messages of a topic; without anybody they need not come. */
+  taker(topic: string): Taker | undefined;
   /** The way is open, with what the server says of itself. */
   opened(info: Info): void;
   /** It is closed. */
   closed(): void;
-  message(topic: string, time: number, message: Message): void;
   /** Which services there are now. */
   services(names: string[]): void;
   status(level: number, text: string, id: string | undefined): void;
@@ -63,7 +69,7 @@ const DECODE = new TextDecoder();
 /** A client that comes back by itself. */
 export class Client {
   private socket: WebSocket | undefined;
-  private readonly channels = new Map<number, { channel: Channel; schema: Schema | undefined }>();
+  private readonly channels = new Map<number, Subscribed>();
   private readonly offered = new Map<string, Offered>();
   private readonly waiting = new Map<number, Waiting>();
   private calls = 0;
@@ -207,9 +213,10 @@ export class Client {
       case "advertise": {
         const subscriptions = [];
         for (const channel of said.channels as Channel[]) {
-          if (!this.listener.wants(channel.topic)) continue;
+          const take = this.listener.taker(channel.topic);
+          if (!take) continue;
           const schema = channel.encoding === "cdr" ? readSchema(channel.schema) : undefined;
-          this.channels.set(channel.id, { channel, schema });
+          this.channels.set(channel.id, { take, schema });
           subscriptions.push({ id: channel.id, channelId: channel.id });
         }
         if (subscriptions.length) this.say({ op: "subscribe", subscriptions });
@@ -241,12 +248,11 @@ export class Client {
       case 1: {
         const known = this.channels.get(view.getUint32(1, true));
         if (!known) return;
-        const time = Number(view.getBigUint64(5, true));
         const payload = new DataView(view.buffer, 13);
         const message = known.schema
           ? readMessage(known.schema, payload)
           : JSON.parse(DECODE.decode(payload));
-        this.listener.message(known.channel.topic, time, message);
+        known.take(message);
         break;
       }
       case 3: {
