@@ -18,7 +18,7 @@ use super::shape::{LONGEST_DELAY, PositionScale, Shape};
 use super::stability::variances;
 use crate::conditioning::{Conditioned, Piece};
 use crate::estimate::{Estimates, Interval};
-use crate::finite::finite;
+use crate::robust_covariance::{Course, RobustError, robust_covariance};
 use crate::statistics::{quantile, sorted};
 
 /// Share of the usual largest speed below which an axis does not count as sliding, and as moving.
@@ -37,8 +37,6 @@ const MOST_SAMPLES: usize = 500_000;
 const EXCERPT: usize = 10_000;
 /// Of what it tells less, what it says must be off by so many of its own errors at least.
 const CERTAIN: f64 = 3.0;
-/// Runs of rows that errors need.
-const RUNS: usize = 10;
 /// What a prompt force leaves over, as a share of what a late one does, below which there is no delay.
 const PROMPT: f64 = 0.9;
 /// Rows for each parameter that a fit needs.
@@ -66,39 +64,33 @@ pub(super) fn said(
     let sliding = (SLIDES * fastest).max(dip.min(MOST_FADED * fastest));
     let slides = rows(&fine, sliding, AROUND * fine.stride);
     let moves = rows(&fine, MOVES * fastest, 0);
-    let unknowns = unknowns(&structure, &AxisUnits::LINEAR);
-    // A delay that stands for what happens at the reversals is not there where the axis slides.
-    let prompt = Shape { delay: 0.0, ..*shape };
-    let shapes = if structure.delay { vec![*shape, prompt] } else { vec![prompt] };
-    let mut best: Option<(DVector<f64>, DVector<f64>, DMatrix<f64>)> = None;
-    let mut no_delay = false;
-    for shape in &shapes {
-        let matrix = regressors.matrix(shape).ok()?;
+    let unknowns = unknowns(&structure, &AxisUnits::LINEAR).into_iter();
+    let mut fit = |shape: Shape| {
+        let matrix = regressors.matrix(&shape).ok()?;
         let own = matrix.select_rows(&slides);
         if own.nrows() < ROWS_EACH * own.ncols() {
             return None;
         }
         let (x, rest) = Projection::new(own)?.rest(&regressors.force.select_rows(&slides));
-        if best.as_ref().is_none_or(|(least, ..)| rest.norm() < least.norm()) {
-            // The prompt one comes last.
-            no_delay = best.is_some_and(|(late, ..)| rest.norm() < PROMPT * late.norm());
-            best = Some((rest, x, matrix));
-        }
-    }
-    let (rest, x, matrix) = best?;
+        Some((rest, x, matrix, shape))
+    };
+    // A delay that stands for what happens at the reversals is not there where the axis slides.
+    let prompt = fit(Shape { delay: 0.0, ..*shape })?;
+    let late = if structure.delay { fit(*shape) } else { None };
+    let no_delay = late.as_ref().is_some_and(|(rest, ..)| prompt.0.norm() < PROMPT * rest.norm());
+    let late = late.filter(|(rest, ..)| rest.norm() <= prompt.0.norm());
+    let (rest, x, matrix, shape) = late.unwrap_or(prompt);
     let own = matrix.select_rows(&slides);
     let told = told(&own, &matrix.select_rows(&moves))?;
-    let errors = errors(&own, &rest, &slides);
+    let errors = errors(&own, &rest, &slides, &regressors.motion(&shape));
     let mut values = Vec::new();
-    for (k, (unknown, value)) in unknowns.into_iter().zip(x.iter().copied()).enumerate() {
-        let id = unknown.id;
-        let error = errors.as_ref().map_or(f64::INFINITY, |errors| errors[k]);
-        let interval = estimates.get(id).and_then(|estimate| estimate.interval);
-        if told[k] || interval.is_some_and(|interval| certain(value, error, interval)) {
-            values.push((id, value));
+    for (((unknown, value), told), error) in unknowns.zip(x.iter()).zip(told).zip(errors) {
+        let interval = estimates.get(unknown.id).and_then(|estimate| estimate.interval);
+        if told || interval.is_some_and(|interval| certain(*value, error, interval)) {
+            values.push((unknown.id, *value));
         }
     }
-    if no_delay && errors.is_some() {
+    if no_delay {
         values.push(("delay".into(), 0.0));
     }
     Some(Said { structure, values })
@@ -110,30 +102,23 @@ fn certain(value: f64, error: f64, interval: Interval) -> bool {
     off > CERTAIN * error
 }
 
-/// Standard errors of a fit to rows that stand in runs, each independent of the others whatever is
-/// within it (the sandwich over clusters; Liang and Zeger 1986, Biometrika 73). None where there are
-/// few.
-fn errors(matrix: &DMatrix<f64>, rest: &DVector<f64>, rows: &[usize]) -> Option<Vec<f64>> {
+/// The standard error of each parameter of a fit to some rows, with what the fit lacks; infinite
+/// where that is a guess. `motion` has a value a row.
+fn errors(
+    matrix: &DMatrix<f64>,
+    rest: &DVector<f64>,
+    rows: &[usize],
+    motion: &[Vec<f64>],
+) -> Vec<f64> {
     let runs: Vec<usize> = rows.chunk_by(|a, b| a + 1 == *b).map(<[usize]>::len).collect();
-    if runs.len() < RUNS {
-        return None;
-    }
-    let scale: Vec<f64> = matrix.column_iter().map(|column| column.norm()).collect();
-    let mut own = matrix.clone();
-    own.column_iter_mut().zip(&scale).for_each(|(mut column, scale)| column /= *scale);
-    let bread = finite(finite(own.tr_mul(&own))?.try_inverse()?)?;
-    let mut scores = DMatrix::zeros(own.ncols(), runs.len());
-    let mut first = 0;
-    for (k, count) in runs.iter().copied().enumerate() {
-        scores.set_column(k, &own.rows(first, count).tr_mul(&rest.rows(first, count)));
-        first += count;
-    }
-    let few = runs.len() as f64 / (runs.len() as f64 - 1.0);
-    let errors = (bread * scores)
-        .row_iter()
-        .map(|row| (few * row.norm_squared()).sqrt())
-        .collect::<Vec<_>>();
-    Some(errors.iter().zip(scale).map(|(error, scale)| error / scale).collect())
+    let of = |all: &Vec<f64>| rows.iter().filter_map(|&row| all.get(row).copied()).collect();
+    let motion: Vec<Vec<f64>> = motion.iter().map(of).collect();
+    let course = Course { points: 0, pieces: &runs, motion: &motion };
+    let Some(found) = robust_covariance(matrix, rest.as_slice(), &course) else {
+        return vec![f64::INFINITY; matrix.ncols()];
+    };
+    let error = |own: &RobustError| own.doubt.map_or(own.standard_error, |_| f64::INFINITY);
+    found.parameters.iter().map(error).collect()
 }
 
 /// The stretches of a recording of `samples`, or every so many parts of them, so that no more than
@@ -347,20 +332,5 @@ mod tests {
         ] {
             assert_eq!(certain(value, error, interval), outside, "{value} {error}");
         }
-    }
-
-    /// Runs of equal residuals beside one constant: each counts once, however many rows it has.
-    #[test]
-    fn a_run_of_rows_counts_once() {
-        let (runs, each) = (12, 7);
-        let rows: Vec<usize> = (0..runs * each).map(|k| k + k / each).collect();
-        let matrix = DMatrix::from_element(rows.len(), 1, 2.0);
-        let of = |k: usize| ((k / each) as f64).sin();
-        let rest = DVector::from_iterator(rows.len(), (0..rows.len()).map(of));
-        let square: f64 = (0..runs).map(|run| of(run * each).powi(2)).sum();
-        let expected = (square / (runs * (runs - 1)) as f64).sqrt() / 2.0;
-        let found = errors(&matrix, &rest, &rows).unwrap()[0];
-        assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
-        assert_eq!(errors(&matrix, &rest, &(0..rows.len()).collect::<Vec<_>>()), None);
     }
 }
