@@ -112,7 +112,7 @@ impl LowPass {
     /// # Errors
     /// [`IdentError::TooFewSamples`] unless the signal is longer than [`padding`](Self::padding).
     pub fn filter(&self, signal: &[f64]) -> Result<Vec<f64>, IdentError> {
-        let mut filtered = self.side_by_side([signal])?;
+        let mut filtered = self.filter_all(&[signal])?;
         Ok(filtered.swap_remove(0))
     }
 
@@ -124,8 +124,8 @@ impl LowPass {
         let mut filtered = Vec::with_capacity(signals.len());
         for few in signals.chunks(LANES) {
             filtered.extend(match few.len() {
-                0 | 1 => self.in_lanes::<1>(few)?,
-                2 => self.in_lanes::<2>(few)?,
+                // One alone is slower than two.
+                0..=2 => self.in_lanes::<2>(few)?,
                 _ => self.in_lanes::<LANES>(few)?,
             });
         }
@@ -161,10 +161,9 @@ impl LowPass {
         extended.extend((1..=pad).rev().map(|i| beyond(0, i)));
         extended.extend((0..n).map(at));
         extended.extend((1..=pad).map(|i| beyond(n - 1, n - 1 - i)));
-        let arch = Arch::new();
-        arch.dispatch(Pass { filter: self, signals: &mut extended });
+        self.pass(&mut extended);
         extended.reverse();
-        arch.dispatch(Pass { filter: self, signals: &mut extended });
+        self.pass(&mut extended);
         let mut filtered = vec![vec![0.0; n]; L];
         for (k, values) in extended.iter().rev().skip(pad).take(n).enumerate() {
             for (signal, value) in filtered.iter_mut().zip(values) {
@@ -173,41 +172,61 @@ impl LowPass {
         }
         Ok(filtered)
     }
+
+    /// One pass in place. Sections are taken by fours and fewer: more do not fit the registers.
+    fn pass<const L: usize>(&self, signals: &mut [[f64; L]]) {
+        let arch = Arch::new();
+        for sections in self.sections.chunks(4) {
+            match *sections {
+                [a] => arch.dispatch(Pass { sections: [a], signals }),
+                [a, b] => arch.dispatch(Pass { sections: [a, b], signals }),
+                [a, b, c] => arch.dispatch(Pass { sections: [a, b, c], signals }),
+                [a, b, c, d] => arch.dispatch(Pass { sections: [a, b, c, d], signals }),
+                _ => {}
+            }
+        }
+    }
 }
 
 /// One pass in place over signals side by side, each started in the steady state of its first
-/// sample. All sections take a sample before the next one comes: that is several times faster than
-/// one section after the other, because they then do not wait for themselves.
-struct Pass<'a, const L: usize> {
-    filter: &'a LowPass,
+/// sample. All `N` sections take a sample before the next one comes: that is several times faster than
+/// one section after the other, because they then do not wait for themselves. How many sections there
+/// are is known to the compiler, so that their states stay in registers: four times as fast again.
+struct Pass<'a, const N: usize, const L: usize> {
+    sections: [Section; N],
     signals: &'a mut [[f64; L]],
 }
 
-impl<const L: usize> WithSimd for Pass<'_, L> {
+impl<const N: usize, const L: usize> WithSimd for Pass<'_, N, L> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { filter, signals } = self;
+        let Self { sections, signals } = self;
         let start = signals.first().copied().unwrap_or([0.0; L]);
-        // At most six sections: the order is at most twelve.
-        let mut states = [[[0.0; L]; 2]; 6];
-        for (Section { b, a }, [s1, s2]) in filter.sections.iter().zip(&mut states) {
+        let mut states = [[[0.0; L]; 2]; N];
+        for (Section { b, a }, [s1, s2]) in sections.iter().zip(&mut states) {
             for lane in 0..L {
                 s2[lane] = (b[2] - a[1]) * start[lane];
                 s1[lane] = (b[1] - a[0]) * start[lane] + s2[lane];
             }
         }
-        for values in signals.iter_mut() {
-            for (Section { b, a }, [s1, s2]) in filter.sections.iter().zip(&mut states) {
+        for values in signals {
+            let mut input = *values;
+            for (Section { b, a }, [s1, s2]) in sections.iter().zip(&mut states) {
+                let mut output = [0.0; L];
                 for lane in 0..L {
-                    let input = values[lane];
-                    let output = b[0] * input + s1[lane];
-                    s1[lane] = b[1] * input - a[0] * output + s2[lane];
-                    s2[lane] = b[2] * input - a[1] * output;
-                    values[lane] = output;
+                    output[lane] = b[0] * input[lane] + s1[lane];
                 }
+                for lane in 0..L {
+                    s1[lane] = b[1] * input[lane] - a[0] * output[lane] + s2[lane];
+                }
+                for lane in 0..L {
+                    s2[lane] = b[2] * input[lane] - a[1] * output[lane];
+                }
+                input = output;
             }
+            *values = input;
         }
     }
 }
