@@ -168,6 +168,14 @@ pub enum IdentError {
     /// A dip that lags fits no better than one that follows at once.
     #[error("the dip does not lag: one that follows the velocity at once fits as well")]
     IdleLag,
+    /// A dip that lags has nothing to lag where the friction does not fall.
+    #[error(
+        "no dip lags: the friction does not fall over the first speeds (f_s over f_c is {ratio:.2})"
+    )]
+    NoDipToLag {
+        /// `f_s` over `f_c` as it was fitted.
+        ratio: f64,
+    },
     /// A load depends on the position, which the recording lacks.
     #[error("a spring or gravity depends on the position, but the recording has none; record it")]
     NoPositionForLoad,

@@ -124,8 +124,9 @@ pub fn cross_validate(
 /// is new is searched all over.
 ///
 /// # Errors
-/// Those of [`cross_validate`], and [`IdentError::IdleLag`] where a dip that follows at once, with as
-/// many parameters, fits the recording as well as one that lags.
+/// Those of [`cross_validate`]; [`IdentError::IdleLag`] where a dip that follows at once, with as many
+/// parameters, fits the recording as well as one that lags, and [`IdentError::NoDipToLag`] where the
+/// friction does not fall.
 pub fn cross_validate_beside(
     recording: &Conditioned,
     structure: AxisStructure,
@@ -155,6 +156,10 @@ pub fn cross_validate_beside(
         let [prompt, lagging] = [&prompt, &best.solution].map(|fit| fit.residual.norm_squared());
         if lagging >= prompt {
             return Err(IdentError::IdleLag);
+        }
+        if let Some(ratio) = search.regressors.ratio(&best.solution.x).filter(|ratio| *ratio <= 1.0)
+        {
+            return Err(IdentError::NoDipToLag { ratio });
         }
     }
     search.settled(&best)?;
