@@ -11,6 +11,11 @@ fn run(name: &str) -> String {
 
 /// The same with these arguments.
 fn run_with(name: &str, arguments: &[&str]) -> String {
+    cargo(name, "run", &[&["--"], arguments].concat())
+}
+
+/// What cargo does with a crate of `examples`.
+fn cargo(name: &str, what: &str, arguments: &[&str]) -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace");
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     // Without a network there are the versions that the workspace itself was built with, and no
@@ -18,9 +23,8 @@ fn run_with(name: &str, arguments: &[&str]) -> String {
     let lock = root.join("examples").join(name).join("Cargo.lock");
     std::fs::copy(root.join("Cargo.lock"), lock).expect("the versions of the workspace");
     let output = Command::new(cargo)
-        .args(["run", "--quiet", "--offline", "--manifest-path"])
+        .args([what, "--quiet", "--offline", "--manifest-path"])
         .arg(root.join("examples").join(name).join("Cargo.toml"))
-        .arg("--")
         .args(arguments)
         // Built once for all of them, apart from what another cargo may be building.
         .env("CARGO_TARGET_DIR", root.join("target/examples"))
@@ -50,7 +54,15 @@ fn a_friction_model_is_simulated_and_identified() {
     assert!(!run("own_model").is_empty());
 }
 
+/// It stands on most of the workspace, which is built once more for it: that takes twice as long as
+/// to see that it compiles.
+#[test]
+fn an_experiment_from_outside_compiles() {
+    cargo("own_experiment", "check", &[]);
+}
+
 /// The plant is symmetric, and its Coulomb friction is 0.0925 N m (table 4.6 of the thesis).
+#[tests::needs(long_tier)]
 #[test]
 fn an_experiment_drives_the_simulated_rig_and_leaves_its_figures() {
     let folder = tempfile::tempdir().expect("a folder");

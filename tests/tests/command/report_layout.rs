@@ -183,7 +183,10 @@ fn nothing_keeps_people_from_the_reports() {
     for out in ["all", "features", "design", "characterise", "identify", "both", "other"] {
         let file = folder.join(out).join("report.html");
         assert_eq!(barriers(&mut tab, &file), [""; 0], "{out}");
-        assert_eq!(misfits(&mut tab, &file), [""; 0], "{out}");
+        // Whether the other kinds fit is seen above.
+        if ["both", "other"].contains(&out) {
+            assert_eq!(misfits(&mut tab, &file), [""; 0], "{out}");
+        }
     }
 }
 
