@@ -90,8 +90,17 @@ def orders(bench):
 def nodes(bench):
     """Clients and subscribers that come when the loop has run for a while."""
     report = {}
+
+    def settled(node):
+        def ask(ros):
+            # The axis moves without the observer: the one that came last may still be on its way.
+            ros.until(lambda: ros.state(node) == "active", 15)
+            return [ros.state(node), *ros.get(node, "autostart")]
+
+        return ask
+
     for node in (RIG, OBSERVER, CONTROLLER):
-        report[node] = newcomer(lambda ros: [ros.state(node), *ros.get(node, "autostart")])
+        report[node] = newcomer(settled(node))
 
     report["reset"] = newcomer(lambda ros: ros.trigger(f"{OBSERVER}/reset"))[0]
 
