@@ -30,8 +30,8 @@ pub struct Test {
     /// compensation with wrong parameters, 200 rounds of killed drivers, 50 rounds of killed nodes,
     /// up to ten frozen and unplugged readers beside each way to run the loop, millions of damaged
     /// inputs, the loader under valgrind, the unit tests of the mended middleware, DDS Security
-    /// with a peer on Fast DDS, the nodes built by colcon in release, the largest answers to the
-    /// rclpy of Kilted and Jazzy on every kind of network
+    /// with a peer on Fast DDS, the nodes built by colcon in release, an experiment from outside,
+    /// the largest answers to the rclpy of Kilted and Jazzy on every kind of network
     #[arg(long)]
     full: bool,
 }
