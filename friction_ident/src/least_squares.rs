@@ -15,6 +15,22 @@ pub(crate) struct Solution {
     pub residual: DVector<f64>,
 }
 
+impl Solution {
+    /// The same among `count` unknowns, of which only those in `taken` were solved for: the others are
+    /// zero.
+    pub fn among(self, taken: &[usize], count: usize) -> Self {
+        let mut x = DVector::zeros(count);
+        let mut inverse_normal = DMatrix::zeros(count, count);
+        for (from, &to) in taken.iter().enumerate() {
+            x[to] = self.x[from];
+            for (other, &there) in taken.iter().enumerate() {
+                inverse_normal[(to, there)] = self.inverse_normal[(from, other)];
+            }
+        }
+        Self { x, inverse_normal, residual: self.residual }
+    }
+}
+
 /// Columns that the data do not tell apart.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Degenerate {

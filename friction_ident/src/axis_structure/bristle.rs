@@ -36,6 +36,21 @@ pub(super) struct Lag {
     pub by_velocity: Vec<f64>,
     /// And of the rate of the deflection; empty without damping.
     pub rate_by_velocity: Vec<f64>,
+    /// The same with respect to the ratio.
+    pub rate_by_ratio: Vec<f64>,
+    /// Damping over the kinetic level \[s/m or s/rad\].
+    damped: f64,
+}
+
+impl Lag {
+    /// Derivative of the force over the kinetic level with respect to the ratio.
+    pub fn force_by_ratio(&self) -> Vec<f64> {
+        if self.rate_by_ratio.is_empty() {
+            return self.by_ratio.clone();
+        }
+        let both = self.by_ratio.iter().zip(&self.rate_by_ratio);
+        both.map(|(bent, rate)| bent + self.damped * rate).collect()
+    }
 }
 
 impl Bristle {
@@ -74,9 +89,9 @@ impl Bristle {
     /// displacement` with `limit = 1 + (ratio - 1) exp(-(v/v_s)^2)`, solved exactly along the same
     /// legs, each with its mean velocity, with its derivatives. It begins as Dahl's does.
     pub fn lugre(recording: &Conditioned, shape: &Shape, damping: bool) -> (Self, Lag) {
-        let &Shape { v_s, displacement, ratio, .. } = shape;
+        let &Shape { v_s, displacement, ratio, damped, .. } = shape;
         let mut made = Self::default();
-        let mut lag = Lag { ratio, ..Lag::default() };
+        let mut lag = Lag { ratio, damped, ..Lag::default() };
         // The deflection and its derivatives: displacement, ratio, Stribeck velocity. Then what is left
         // of the start and its derivative with respect to the displacement.
         let step = |[z, by_displacement, by_ratio, by_velocity, start, start_slope]: [f64; 6],
@@ -112,6 +127,7 @@ impl Bristle {
                 let moved = |k: usize| (now[k] - before[k]) / recording.time_step;
                 made.rate.push(displacement * moved(0));
                 made.rate_slope.push(moved(0) + displacement * moved(1));
+                lag.rate_by_ratio.push(displacement * moved(2));
                 lag.rate_by_velocity.push(displacement * moved(3));
             }
         });

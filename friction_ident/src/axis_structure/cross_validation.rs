@@ -101,8 +101,6 @@ pub enum FirstSpeeds {
     /// It rises, in one direction by more than it falls in the other, over speeds at which less of
     /// the recording lies.
     Rises,
-    /// It would begin below zero and drive the axis: no friction does.
-    Drives,
 }
 
 /// Predicts each of `blocks` contiguous blocks from the others.
@@ -201,22 +199,17 @@ fn first_speeds(structure: &AxisStructure, best: &Best, search: &Search) -> Firs
         let place = names.iter().position(|unknown| unknown.id == id)?;
         best.solution.x.get(place).copied()
     };
-    let (mut fall, mut rise, mut least) = (0.0, 0.0, f64::INFINITY);
+    let (mut fall, mut rise) = (0.0, 0.0);
     for &side in Side::of(structure.asymmetric) {
         let [f_s, f_c] = ["f_s", "f_c"].map(|name| value(ParameterId::new(name).side(side)));
         if let (Some(f_s), Some(f_c)) = (f_s, f_c) {
             (fall, rise) = (f64::max(fall, f_s - f_c), f64::max(rise, f_c - f_s));
-            least = f64::min(least, f_s);
         }
     }
     let slow = |v: &f64| v.abs() < best.shape.v_s;
     let velocity = search.regressors.velocity(&best.shape);
     let seen = velocity.iter().filter(|v| slow(v)).count() as f64 >= SEEN * velocity.len() as f64;
-    match least < 0.0 {
-        true => FirstSpeeds::Drives,
-        false if rise > fall && !seen => FirstSpeeds::Rises,
-        false => FirstSpeeds::Plausible,
-    }
+    if rise > fall && !seen { FirstSpeeds::Rises } else { FirstSpeeds::Plausible }
 }
 
 /// Error of the prediction of the rows in `block` by a search without those in `out`.

@@ -43,6 +43,14 @@ pub(super) struct Levels {
     pub damping: f64,
 }
 
+impl Levels {
+    /// The kinetic level in the direction of `sign`, where the position is `place`, from -1 to 1.
+    fn kinetic_at(&self, sign: f64, place: Option<&f64>) -> f64 {
+        let x = place.copied().unwrap_or(0.0);
+        self.kinetic[usize::from(sign < 0.0)] + self.along[0] * x + self.along[1] * x * x
+    }
+}
+
 impl FrictionCurve {
     pub fn of(recording: &Conditioned, structure: &AxisStructure, shape: &Shape) -> Self {
         if structure.lag {
@@ -66,10 +74,11 @@ impl FrictionCurve {
     /// Where it lags, the derivatives of the force with respect to both: it is of the first degree in
     /// them.
     pub fn levels(&self) -> Option<[Vec<f64>; 2]> {
-        if let Some(Lag { ratio, by_ratio, .. }) = &self.lag {
-            let both = self.sign.iter().zip(by_ratio);
-            let kinetic = both.map(|(sign, by_ratio)| sign - ratio * by_ratio).collect();
-            return Some([kinetic, by_ratio.clone()]);
+        if let Some(lag) = &self.lag {
+            let by_ratio = lag.force_by_ratio();
+            let both = self.sign.iter().zip(&by_ratio);
+            let kinetic = both.map(|(sign, by_ratio)| sign - lag.ratio * by_ratio).collect();
+            return Some([kinetic, by_ratio]);
         }
         let both = || self.sign.iter().zip(&self.near);
         (!self.near.is_empty()).then(|| {
@@ -85,11 +94,8 @@ impl FrictionCurve {
     pub fn by_velocity(&self, levels: &Levels, place: &[f64]) -> Vec<f64> {
         if let Some(lag) = &self.lag {
             let of = |(k, (sign, slope)): (usize, (&f64, &f64))| {
-                let side = usize::from(*sign < 0.0);
                 let damped = lag.rate_by_velocity.get(k).copied().unwrap_or(0.0);
-                let x = place.get(k).copied().unwrap_or(0.0);
-                let along = levels.along[0] * x + levels.along[1] * x * x;
-                (levels.kinetic[side] + along) * slope + levels.damping * damped
+                levels.kinetic_at(*sign, place.get(k)) * slope + levels.damping * damped
             };
             return self.sign.iter().zip(&lag.by_velocity).enumerate().map(of).collect();
         }
@@ -98,6 +104,16 @@ impl FrictionCurve {
             sign * slope * (levels.rest[side] - levels.kinetic[side])
         };
         self.sign.iter().zip(&self.near_slope).map(of).collect()
+    }
+
+    /// The same with respect to the ratio of the levels of a dip that lags.
+    pub fn by_ratio(&self, levels: &Levels, place: &[f64]) -> Vec<f64> {
+        let Some(lag) = &self.lag else { return vec![0.0; self.sign.len()] };
+        let of = |(k, (sign, slope)): (usize, (&f64, &f64))| {
+            let damped = lag.rate_by_ratio.get(k).copied().unwrap_or(0.0);
+            levels.kinetic_at(*sign, place.get(k)) * slope + levels.damping * damped
+        };
+        self.sign.iter().zip(&lag.by_ratio).enumerate().map(of).collect()
     }
 
     /// Derivative of the friction of `levels` with respect to the displacement, where `place` is the
@@ -160,8 +176,8 @@ mod tests {
             let structure: AxisStructure = name.parse().unwrap();
             let levels = Levels { kinetic, rest, along: [0.4, -0.2], damping: 5.0 };
             let at = |v_s: f64, displacement: f64, rest: f64| {
-                let ratio = rest / kinetic[0];
-                let shape = Shape { delay: 0.0, v_s, displacement, period: 1.0, ratio };
+                let (ratio, damped) = (rest / kinetic[0], levels.damping / kinetic[0]);
+                let shape = Shape { delay: 0.0, v_s, displacement, period: 1.0, ratio, damped };
                 FrictionCurve::of(&recording, &structure, &shape)
             };
             let friction = |curve: &FrictionCurve, levels: &Levels| -> Vec<f64> {
@@ -178,8 +194,7 @@ mod tests {
             };
             let (v_s, displacement, f_s) = (0.2, 0.01, rest[0]);
             let curve = at(v_s, displacement, f_s);
-            let alone = Levels { along: [0.0; 2], damping: 0.0, ..levels };
-            let with = |f_s: f64| Levels { rest: [f_s; 2], ..alone };
+            let with = |f_s: f64| Levels { rest: [f_s; 2], along: [0.0; 2], ..levels };
             let mut all = vec![
                 (
                     curve.by_velocity(&levels, &place),
@@ -195,7 +210,14 @@ mod tests {
                 ),
             ];
             if structure.lag {
-                // The force is of the first degree in both levels: it is its own derivatives.
+                let tied = |f_s: f64| {
+                    friction(&at(v_s, displacement, f_s), &Levels { rest: [f_s; 2], ..levels })
+                };
+                let (less, more) = (f_s - 1e-4, f_s + 1e-4);
+                let by_ratio = curve.by_ratio(&levels, &place);
+                all.push((by_ratio, tied(less), tied(more), 2e-4 / kinetic[0]));
+                // The force is of the first degree in both levels, damping kept: it is its own
+                // derivatives.
                 let of_rest = curve.levels().unwrap()[1].clone();
                 let (less, more) = (f_s - 1e-4, f_s + 1e-4);
                 let before = friction(&at(v_s, displacement, less), &with(less));
@@ -232,8 +254,14 @@ mod tests {
             let recording = fine.clone().coarsened().unwrap();
             assert_eq!(recording.time_step > fine.time_step, thinned);
             let structure: AxisStructure = "symmetric+presliding".parse().unwrap();
-            let shape =
-                Shape { delay: 0.0, v_s: 1.0, displacement: REACH, period: 1.0, ratio: 1.0 };
+            let shape = Shape {
+                delay: 0.0,
+                v_s: 1.0,
+                displacement: REACH,
+                period: 1.0,
+                ratio: 1.0,
+                damped: 0.0,
+            };
             let curve = FrictionCurve::of(&recording, &structure, &shape);
             let factor = (recording.time_step / dt).round() as usize;
             let mut z = 1.0f64;

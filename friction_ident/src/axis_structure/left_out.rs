@@ -37,6 +37,8 @@ pub(super) struct Whole {
     terms: Vec<ShapeTerm>,
     shape: Shape,
     linear: usize,
+    /// The linear ones.
+    levels: DVector<f64>,
     /// The parameters that no bound holds.
     free: Vec<usize>,
     /// Those that one holds, and whether it is the upper one.
@@ -50,12 +52,13 @@ impl Whole {
     pub fn of(search: &mut Search, best: &Best) -> Result<Self, IdentError> {
         let terms = ShapeTerm::of(&search.structure);
         let minimum = search.linearise(best, &terms)?;
-        let linear = best.solution.x.len();
+        let levels = best.solution.x.clone();
+        let linear = levels.len();
         let (slopes, residual) = (minimum.jacobian, minimum.residuals);
         let scale: Vec<f64> = slopes.column_iter().map(|column| column.norm()).collect();
         let (mut normal, mut gradient) = (slopes.tr_mul(&slopes), slopes.tr_mul(&residual));
         scaled(&mut normal, &mut gradient, &scale);
-        let held: Vec<(usize, bool)> = terms
+        let mut held: Vec<(usize, bool)> = terms
             .iter()
             .enumerate()
             .filter(|(j, _)| minimum.held[linear + j])
@@ -65,9 +68,22 @@ impl Whole {
                 (linear + j, term.value(&best.shape) > 0.5 * (low + high))
             })
             .collect();
+        held.extend((0..linear).filter(|&level| minimum.held[level]).map(|level| (level, false)));
         let free = (0..scale.len()).filter(|&j| !minimum.held[j]).collect();
         let shape = best.shape;
-        Ok(Self { slopes, residual, terms, shape, linear, free, held, scale, normal, gradient })
+        Ok(Self {
+            slopes,
+            residual,
+            terms,
+            shape,
+            linear,
+            levels,
+            free,
+            held,
+            scale,
+            normal,
+            gradient,
+        })
     }
 
     /// The change of each parameter, linear ones first, without the rows in `out`; none where the
@@ -103,7 +119,9 @@ impl Whole {
             return None;
         }
         change.iter_mut().zip(&self.scale).for_each(|(change, scale)| *change /= scale);
-        Some(change)
+        // And one that does not hold with all rows may.
+        let mut levels = search.regressors.not_below_zero();
+        levels.all(|level| self.levels[level] + change[level] >= 0.0).then_some(change)
     }
 
     /// The step of the free parameters, in units of the scale, with the nonlinear ones held back.
@@ -169,7 +187,7 @@ impl Whole {
             let reach = match term {
                 ShapeTerm::Delay => STRAIGHT_DELAY * limits.high.delay / LONGEST_DELAY as f64,
                 ShapeTerm::Period => STRAIGHT_WAVES * value * value / (0.5 * limits.high.period),
-                ShapeTerm::StribeckVelocity | ShapeTerm::Displacement => STRAIGHT * value,
+                _ => STRAIGHT * value,
             };
             change == 0.0 || within && change.abs() <= reach
         })

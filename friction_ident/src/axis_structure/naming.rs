@@ -82,6 +82,7 @@ pub(super) fn unknowns(structure: &AxisStructure, units: &AxisUnits) -> Vec<Unkn
             ShapeTerm::StribeckVelocity => add("v_s".into(), units.velocity, SLOW),
             ShapeTerm::Displacement => add("presliding".into(), units.displacement, REVERSALS),
             ShapeTerm::Period => add("period".into(), units.displacement, TRAVEL),
+            ShapeTerm::Ratio => {}
         }
     }
     all

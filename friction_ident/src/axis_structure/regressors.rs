@@ -22,7 +22,7 @@ use crate::zero_phase::LANES;
 /// The columns that a nonlinear parameter changes, with the values they were made for.
 #[derive(Debug, Clone, Default)]
 struct Group {
-    made_for: Option<[f64; 3]>,
+    made_for: Option<[f64; 4]>,
     columns: Vec<Vec<f64>>,
     /// What is left of how a bristle began, where that is not forgotten; else empty.
     begun: Vec<f64>,
@@ -165,7 +165,7 @@ impl<'a> Regressors<'a> {
         let levels = self.levels(linear);
         Ok(match term {
             ShapeTerm::Delay => vec![],
-            ShapeTerm::StribeckVelocity | ShapeTerm::Displacement => {
+            ShapeTerm::StribeckVelocity | ShapeTerm::Displacement | ShapeTerm::Ratio => {
                 let begun = match term {
                     ShapeTerm::Displacement => self.begun(shape, linear)?,
                     _ => Vec::new(),
@@ -182,6 +182,7 @@ impl<'a> Regressors<'a> {
                         }
                         slope
                     }
+                    ShapeTerm::Ratio => curve.by_ratio(&levels, &place),
                     _ => curve.by_velocity(&levels, &place),
                 };
                 self.place = place;
@@ -237,11 +238,32 @@ impl<'a> Regressors<'a> {
         Levels { kinetic, rest, along, damping }
     }
 
+    /// The linear parameters that may not be below zero, as friction at rest would then drive the axis:
+    /// its levels there. Where a dip lags, their ratio has bounds of its own.
+    pub fn not_below_zero(&self) -> Range<usize> {
+        let AxisStructure { stribeck, lag, .. } = self.structure;
+        if stribeck && !lag { self.levels_at_rest() } else { 0..0 }
+    }
+
+    /// Where the levels at rest are among the linear parameters, behind as many kinetic ones.
+    pub fn levels_at_rest(&self) -> Range<usize> {
+        let sides = if self.structure.asymmetric { 2 } else { 1 };
+        let first = self.fixed.len() + sides;
+        first..first + sides
+    }
+
     /// `f_s` over `f_c`, of both directions together; none where no bristle lags.
     pub fn ratio(&self, linear: &DVector<f64>) -> Option<f64> {
         let Levels { kinetic, rest, .. } = self.levels(linear);
         let sum = |level: [f64; 2]| level[0] + level[1];
         self.structure.lag.then(|| sum(rest) / sum(kinetic).max(0.0))
+    }
+
+    /// `sigma1` over `f_c`, of both directions together; zero where nothing is damped.
+    pub fn damped(&self, linear: &DVector<f64>) -> f64 {
+        let Levels { kinetic, damping, .. } = self.levels(linear);
+        let mean = 0.5 * (kinetic[0] + kinetic[1]);
+        if self.structure.damping && mean > 0.0 { damping / mean } else { 0.0 }
     }
 
     /// The delay in samples.
@@ -374,7 +396,7 @@ impl<'a> Regressors<'a> {
     }
 
     fn update_harmonic(&mut self, shape: &Shape) -> Result<(), IdentError> {
-        let key = [shape.period, 0.0, 0.0];
+        let key = [shape.period, 0.0, 0.0, 0.0];
         if !self.structure.harmonic || self.harmonic.made_for == Some(key) {
             return Ok(());
         }
@@ -392,6 +414,6 @@ impl<'a> Regressors<'a> {
 }
 
 /// What the columns of friction depend on.
-fn friction_key(shape: &Shape) -> [f64; 3] {
-    [shape.v_s, shape.displacement, shape.ratio]
+fn friction_key(shape: &Shape) -> [f64; 4] {
+    [shape.v_s, shape.displacement, shape.ratio, shape.damped]
 }

@@ -1,5 +1,5 @@
-//! Separable least squares: the linear parameters by QR for every trial of the nonlinear ones
-//! (Golub and Pereyra 1973).
+//! Separable least squares: the linear parameters by a fit of their own for every trial of the
+//! nonlinear ones (Golub and Pereyra 1973).
 
 use std::ops::ControlFlow;
 
@@ -7,13 +7,15 @@ use nalgebra::{DMatrix, DVector};
 
 use super::AxisStructure;
 use super::naming::{AxisUnits, unknowns};
+use super::projection::{Projection, below_zero};
 use super::regressors::Regressors;
+use super::separable::Separable;
 use super::shape::{Limits, PositionScale, Shape, ShapeTerm};
 use super::waves;
 use crate::bounded::{Minimum, Patience, Residuals, minimise};
 use crate::conditioning::Conditioned;
 use crate::finite::finite;
-use crate::least_squares::{self, Solution};
+use crate::least_squares::{self, Degenerate, Solution};
 use crate::{Ending, IdentError};
 
 /// Share of the sum of squares by which a search for parameters must still fall to go on.
@@ -22,14 +24,6 @@ const EXACT: f64 = 1e-8;
 const LATE: f64 = 0.1;
 /// Share of the longest delay below which a delay lies at zero.
 const AT_ONCE: f64 = 1e-6;
-/// Change of the logarithm of `f_s` over `f_c` up to which a lag is that of the fit, how much more of
-/// it is enough where the fit need not be exact (a multiple of the root of the share that is enough),
-/// and how often the lag is made anew.
-const SAME_RATIO: f64 = 1e-3;
-const ENOUGH_RATIO: f64 = 3.0;
-const ROUNDS: usize = 8;
-/// The same change beyond which a fit is none.
-const SETTLED: f64 = 0.05;
 /// Periods that are looked at, and how many of them are tried.
 const PERIODS: usize = 400;
 const TRIED: usize = 3;
@@ -150,7 +144,8 @@ impl<'a> Search<'a> {
             }
             for trial in few {
                 let (matrix, force) = self.system(trial)?;
-                let sum = Projection::new(matrix)
+                let sum = self
+                    .projection(matrix, &force, None)
                     .map(|projection| projection.rest(&force).1.norm_squared());
                 if let Some(sum) = sum.filter(|sum| *sum < best) {
                     (best, chosen) = (sum, *trial);
@@ -179,85 +174,47 @@ impl<'a> Search<'a> {
         self.closer(start, kept, EXACT)
     }
 
-    /// The same, done when the sum of squares does not fall by more than `enough` of itself.
-    ///
-    /// How far a bristle lags hangs on the levels, which are linear parameters. The force is of the
-    /// first degree in them: its derivatives at one ratio of the levels times the levels are the
-    /// force itself. With them for columns each fit gives the ratio for the next (Gauss and Newton).
-    pub fn closer(
+    /// The nonlinear parameters that are not kept.
+    pub fn moving(&self, kept: &[ShapeTerm]) -> Vec<ShapeTerm> {
+        let all = ShapeTerm::of(&self.structure).into_iter();
+        all.filter(|term| !kept.contains(term)).collect()
+    }
+
+    /// The best fit from a starting point, whose lag is that of the ratio of levels there.
+    pub fn closer_at(
         &mut self,
         start: Shape,
         kept: &[ShapeTerm],
         enough: f64,
     ) -> Result<Best, IdentError> {
-        let same = SAME_RATIO.max(ENOUGH_RATIO * enough.sqrt());
-        let mut best = self.closer_at(start, kept, enough)?;
-        for _ in 0..ROUNDS {
-            let ratio = self.ratio(&best.solution.x);
-            let Some(ratio) = ratio.filter(|ratio| !is_same(*ratio, &best.shape, same)) else {
-                break;
-            };
-            best = self.closer_at(Shape { ratio, ..best.shape }, kept, enough)?;
-        }
-        Ok(best)
+        let terms = self.moving(kept);
+        let shape = self.searched(start, &terms, enough);
+        let solution = self.solve(&shape)?;
+        Ok(Best { shape, solution })
     }
 
-    /// Whether the lag of a fit is that of its levels; a fit without one is settled.
-    ///
-    /// # Errors
-    /// [`IdentError::UnsettledLag`]: what such a fit predicts is no bristle's force.
-    pub fn settled(&self, best: &Best) -> Result<(), IdentError> {
-        let of = best.shape.ratio;
-        match self.regressors.ratio(&best.solution.x) {
-            // Nor is one that is no number.
-            Some(found) if !is_same(found, &best.shape, SETTLED) => {
-                Err(IdentError::UnsettledLag { found, of })
-            }
-            _ => Ok(()),
-        }
-    }
-
-    /// `f_s` over `f_c` of a fit whose bristle lags.
-    fn ratio(&self, linear: &DVector<f64>) -> Option<f64> {
-        let (low, high) = (self.limits.low.ratio, self.limits.high.ratio);
-        let ratio = self.regressors.ratio(linear)?;
-        Some(if ratio.is_nan() { 1.0 } else { ratio.clamp(low, high) })
-    }
-
-    /// The same for one ratio of the levels.
-    fn closer_at(
-        &mut self,
-        start: Shape,
-        kept: &[ShapeTerm],
-        enough: f64,
-    ) -> Result<Best, IdentError> {
-        let terms: Vec<ShapeTerm> = ShapeTerm::of(&self.structure)
-            .into_iter()
-            .filter(|term| !kept.contains(term))
-            .collect();
+    /// Where the sum of squares is least, as far as `terms` go.
+    pub fn searched(&mut self, start: Shape, terms: &[ShapeTerm], enough: f64) -> Shape {
         let mut shape = start;
         if !terms.is_empty() {
             let bounds: Vec<_> = terms.iter().map(|&term| self.limits.bound(term)).collect();
             let from: Vec<f64> =
                 terms.iter().map(|&term| term.unknown(term.value(&start))).collect();
             let patience = Patience { sum: enough, step: 1e-5, iterations: 30, broyden: false };
-            let mut problem = Separable { search: self, terms: &terms, start };
+            let mut problem = Separable { search: self, terms, start };
             let watch = &mut |_: &_| ControlFlow::Continue(());
             if let Some(minimum) = minimise(&mut problem, &from, &bounds, &patience, watch) {
                 shape = problem.shape(&minimum.x);
             }
         }
-        let solution = self.solve(&shape)?;
-        Ok(Best { shape, solution })
+        shape
     }
 
     /// The sum of squares that a straight step from `start` would leave, with some nonlinear
     /// parameters kept, where it arrives, and how much it takes off; none where there is no such step.
     pub fn stepped(&mut self, start: Shape, kept: &[ShapeTerm]) -> Option<Stepped> {
-        let terms: Vec<ShapeTerm> = ShapeTerm::of(&self.structure)
-            .into_iter()
-            .filter(|term| !kept.contains(term))
-            .collect();
+        let mut terms = self.moving(kept);
+        terms.extend(self.structure.lag.then_some(ShapeTerm::Ratio));
         let limits = self.limits;
         let x: Vec<f64> = terms.iter().map(|term| term.unknown(term.value(&start))).collect();
         let mut problem = Separable { search: self, terms: &terms, start };
@@ -291,15 +248,40 @@ impl<'a> Search<'a> {
     }
 
     fn solved(&self, matrix: &DMatrix<f64>, force: &DVector<f64>) -> Result<Solution, IdentError> {
-        least_squares::solve(matrix, force).map_err(|degenerate| {
+        let told = |degenerate: Degenerate, taken: &[usize]| {
             let names = unknowns(&self.structure, &AxisUnits::LINEAR);
-            let columns = degenerate.columns.into_iter().filter_map(|column| names.get(column));
+            let columns = degenerate.columns.into_iter().filter_map(|column| taken.get(column));
+            let columns = columns.filter_map(|&column| names.get(column));
             IdentError::Columns { names: columns.map(|unknown| unknown.id.to_string()).collect() }
-        })
+        };
+        let all: Vec<usize> = (0..matrix.ncols()).collect();
+        let free = least_squares::solve(matrix, force).map_err(|error| told(error, &all))?;
+        let at_zero = below_zero(&free.x, self.regressors.not_below_zero());
+        if at_zero.is_empty() {
+            return Ok(free);
+        }
+        let taken: Vec<usize> = all.into_iter().filter(|j| !at_zero.contains(j)).collect();
+        let few = least_squares::solve(&matrix.clone().remove_columns_at(&at_zero), force);
+        let few = few.map_err(|error| told(error, &taken))?;
+        Ok(few.among(&taken, matrix.ncols()))
+    }
+
+    /// What the linear parameters leave of a force: levels at rest are not below zero, or `tied` to
+    /// the kinetic ones by a ratio.
+    pub fn projection(
+        &self,
+        matrix: DMatrix<f64>,
+        force: &DVector<f64>,
+        tied: Option<f64>,
+    ) -> Option<Projection> {
+        match tied {
+            Some(ratio) => Projection::tied(matrix, self.regressors.levels_at_rest(), ratio),
+            None => Projection::bounded(matrix, force, self.regressors.not_below_zero()),
+        }
     }
 
     /// Columns and force on the rows that count, without how the bristle began.
-    fn system(&mut self, shape: &Shape) -> Result<(DMatrix<f64>, DVector<f64>), IdentError> {
+    pub fn system(&mut self, shape: &Shape) -> Result<(DMatrix<f64>, DVector<f64>), IdentError> {
         let matrix = self.regressors.matrix(shape)?;
         let starts = self.regressors.starts(shape, self.rows.as_deref())?;
         let mut matrix = self.rows_of(matrix);
@@ -309,7 +291,7 @@ impl<'a> Search<'a> {
         Ok((matrix, force))
     }
 
-    fn values_of(&self, column: &DVector<f64>) -> DVector<f64> {
+    pub fn values_of(&self, column: &DVector<f64>) -> DVector<f64> {
         match &self.rows {
             None => column.clone(),
             Some(rows) => DVector::from_iterator(rows.len(), rows.iter().map(|&k| column[k])),
@@ -326,7 +308,7 @@ impl<'a> Search<'a> {
 
     /// Derivatives of the predicted force with respect to nonlinear parameters, the linear ones kept,
     /// on all rows.
-    fn slopes(
+    pub fn slopes(
         &mut self,
         shape: &Shape,
         linear: &DVector<f64>,
@@ -349,6 +331,9 @@ impl<'a> Search<'a> {
         jacobian.columns_mut(0, columns).copy_from(&-matrix);
         let mut x = linear.as_slice().to_vec();
         let mut held = vec![false; columns];
+        for at_zero in self.regressors.not_below_zero().filter(|&level| linear[level] == 0.0) {
+            held[at_zero] = true;
+        }
         let slopes = self.slopes(&best.shape, &linear, terms)?;
         for (j, (&term, mut slope)) in terms.iter().zip(slopes).enumerate() {
             starts.leave_out(slope.as_mut_slice());
@@ -362,90 +347,5 @@ impl<'a> Search<'a> {
         let residuals = best.solution.residual.clone();
         let sum = residuals.norm_squared();
         Ok(Minimum { x, residuals, jacobian, held, sum, evaluations: 0, ending: Ending::Converged })
-    }
-}
-
-/// Whether a ratio of the levels is that of `shape` but for a share.
-fn is_same(ratio: f64, shape: &Shape, share: f64) -> bool {
-    (ratio / shape.ratio).ln().abs() < share
-}
-
-/// The residual of the linear fit as a function of the nonlinear parameters.
-struct Separable<'s, 'a> {
-    search: &'s mut Search<'a>,
-    terms: &'s [ShapeTerm],
-    start: Shape,
-}
-
-impl Separable<'_, '_> {
-    fn shape(&self, x: &[f64]) -> Shape {
-        let mut shape = self.start;
-        for (term, &value) in self.terms.iter().zip(x) {
-            term.set(&mut shape, term.natural(value));
-        }
-        shape
-    }
-}
-
-impl Residuals for Separable<'_, '_> {
-    fn len(&self) -> usize {
-        self.search.rows.as_ref().map_or(self.search.regressors.count(), Vec::len)
-    }
-
-    fn residuals(&mut self, x: &[f64], out: &mut [f64]) -> bool {
-        let Ok((matrix, force)) = self.search.system(&self.shape(x)) else { return false };
-        let Some(projection) = Projection::new(matrix) else { return false };
-        out.copy_from_slice(projection.rest(&force).1.as_slice());
-        true
-    }
-
-    /// Kaufman's (1975): the change of the columns, projected off what the linear parameters can
-    /// follow.
-    fn jacobian(&mut self, x: &[f64], _: &[f64], jacobian: &mut DMatrix<f64>) -> bool {
-        let shape = self.shape(x);
-        let Ok((matrix, force)) = self.search.system(&shape) else { return false };
-        let Some(projection) = Projection::new(matrix) else { return false };
-        let (linear, _) = projection.rest(&force);
-        let Ok(slopes) = self.search.slopes(&shape, &linear, self.terms) else { return false };
-        let rows = self.search.rows.as_deref();
-        let Ok(starts) = self.search.regressors.starts(&shape, rows) else { return false };
-        for (j, (&term, slope)) in self.terms.iter().zip(slopes).enumerate() {
-            let mut slope = self.search.values_of(&slope) * term.stretch(term.value(&shape));
-            starts.leave_out(slope.as_mut_slice());
-            jacobian.set_column(j, &-projection.rest(&slope).1);
-        }
-        true
-    }
-}
-
-/// Least squares by normal equations of columns scaled to unit length: quick enough to be done for
-/// every trial of the search. The final parameters come from the factorisation of the columns
-/// themselves.
-pub(super) struct Projection {
-    scaled: DMatrix<f64>,
-    scale: DVector<f64>,
-    factor: nalgebra::Cholesky<f64, nalgebra::Dyn>,
-}
-
-impl Projection {
-    /// None for columns that depend on one another.
-    pub fn new(mut matrix: DMatrix<f64>) -> Option<Self> {
-        let scale = DVector::from_iterator(
-            matrix.ncols(),
-            matrix.column_iter().map(|column| column.norm()),
-        );
-        if scale.iter().any(|norm| *norm == 0.0) {
-            return None;
-        }
-        matrix.column_iter_mut().zip(scale.iter()).for_each(|(mut column, norm)| column /= *norm);
-        let factor = finite(matrix.tr_mul(&matrix))?.cholesky()?;
-        Some(Self { scaled: matrix, scale, factor })
-    }
-
-    /// The linear parameters for `y` and what they leave of it.
-    pub fn rest(&self, y: &DVector<f64>) -> (DVector<f64>, DVector<f64>) {
-        let weights = self.factor.solve(&self.scaled.tr_mul(y));
-        let rest = y - &self.scaled * &weights;
-        (weights.component_div(&self.scale), rest)
     }
 }

@@ -32,6 +32,8 @@ pub struct Shape {
     /// `f_s` over `f_c` that the limit of a bristle that lags is made of: no parameter of its own, it
     /// follows the levels as they are fitted.
     pub ratio: f64,
+    /// `sigma1` over `f_c` of such a bristle \[s/m or s/rad\], which follows the fit as the ratio does.
+    pub damped: f64,
 }
 
 /// One nonlinear parameter.
@@ -41,10 +43,12 @@ pub(super) enum ShapeTerm {
     StribeckVelocity,
     Displacement,
     Period,
+    /// Of the levels of a dip that lags, while it is searched; what is told are the levels.
+    Ratio,
 }
 
 impl ShapeTerm {
-    /// Those of a structure.
+    /// Those of a structure that are parameters of it.
     pub fn of(structure: &AxisStructure) -> Vec<Self> {
         let all = [
             (structure.delay, Self::Delay),
@@ -61,6 +65,7 @@ impl ShapeTerm {
             Self::StribeckVelocity => shape.v_s,
             Self::Displacement => shape.displacement,
             Self::Period => shape.period,
+            Self::Ratio => shape.ratio,
         }
     }
 
@@ -70,6 +75,7 @@ impl ShapeTerm {
             Self::StribeckVelocity => shape.v_s = value,
             Self::Displacement => shape.displacement = value,
             Self::Period => shape.period = value,
+            Self::Ratio => shape.ratio = value,
         }
     }
 
@@ -114,6 +120,7 @@ impl Limits {
                 displacement: 1e-6 * travel,
                 period: travel / 200.0,
                 ratio: LEAST_RATIO,
+                damped: 0.0,
             },
             high: Shape {
                 delay: LONGEST_DELAY as f64 * recording.time_step,
@@ -121,6 +128,7 @@ impl Limits {
                 displacement: 0.1 * travel,
                 period: 2.0 * travel,
                 ratio: 1.0 / LEAST_RATIO,
+                damped: 0.0,
             },
             time_step: recording.time_step,
         }
@@ -135,6 +143,7 @@ impl Limits {
             displacement: middle(self.low.displacement, self.high.displacement),
             period: middle(self.low.period, self.high.period),
             ratio: 1.0,
+            damped: 0.0,
         }
     }
 

@@ -12,10 +12,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::AxisStructure;
 use super::naming::{AxisUnits, unknowns};
+use super::projection::Projection;
 use super::regressors::Regressors;
 use super::rows::rows_of;
 use super::said::Said;
-use super::search::Projection;
 use super::shape::{LONGEST_DELAY, PositionScale, Shape};
 use super::stability::variances;
 use crate::conditioning::{Conditioned, Piece};
@@ -273,7 +273,8 @@ mod tests {
         assert!(left > samples / 8 && left < samples / 3, "{left} of {samples}");
         let structure = AxisStructure::SYMMETRIC;
         let scale = PositionScale::of(&recording);
-        let shape = Shape { delay: 0.0, v_s: 1.0, displacement: 1.0, period: 1.0, ratio: 1.0 };
+        let shape =
+            Shape { delay: 0.0, v_s: 1.0, displacement: 1.0, period: 1.0, ratio: 1.0, damped: 0.0 };
         let part = Conditioned { pieces: parts, ..recording.clone() };
         for recording in [recording, part] {
             let none = &Estimates::default();

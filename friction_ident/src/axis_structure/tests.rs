@@ -123,10 +123,29 @@ fn what_friction_does_over_the_first_speeds_is_told() {
     // Of this motion a fifth is slower than V_S, and little is slower than 0.01 m/s.
     assert_eq!(told(4.0, V_S), FirstSpeeds::Plausible, "the recording looks on");
     assert_eq!(told(4.0, 0.01), FirstSpeeds::Rises, "it passes through");
-    assert_eq!(told(-3.0, V_S), FirstSpeeds::Drives);
     let recording = axis(coulomb, 0.0, 0.2);
     let plain = cross_validate(&recording, AxisStructure::SYMMETRIC, 8).unwrap();
     assert_eq!(plain.first_speeds, FirstSpeeds::Plausible);
+}
+
+/// Friction that a fit put below zero at rest, -3 N here, would drive the axis. It was fitted so, and
+/// such structures were then passed over, however well they predict.
+#[test]
+fn friction_at_rest_is_not_below_zero() {
+    let near = |v: f64| (-(v / V_S).powi(2)).exp();
+    let recording = axis(|v| v.signum() * (6.0 - 9.0 * near(v)) + 9.0 * v, 0.0, 0.2);
+    for name in ["symmetric+stribeck", "asymmetric+stribeck+delay"] {
+        let fit = fit_structure(&recording, structure(name), &AxisUnits::LINEAR).unwrap();
+        let levels = || fit.estimates.parameters.iter().filter(|level| level.id.name == "f_s");
+        assert!(levels().count() > 0 && levels().all(|level| level.value == 0.0), "{fit:?}");
+        let held = |verdict: &Verdict| {
+            let at_zero = Doubt::AtBound { bound: 0.0 };
+            matches!(verdict, Verdict::NotIdentifiable { doubt, .. } if *doubt == at_zero)
+        };
+        assert!(levels().all(|level| held(&level.verdict)), "{fit:?}");
+        let score = cross_validate(&recording, structure(name), 8).unwrap();
+        assert!((score.relative_error / fit.relative_error - 1.0).abs() < 0.05, "{score:?}");
+    }
 }
 
 /// A force that was recorded 3 ms late lies below zero; at once is no delay below zero in noise.
@@ -510,7 +529,10 @@ fn a_bristle_is_found_where_a_sample_is_half_its_reach() {
     };
     near("inertia", INERTIA, 0.02);
     near("f_c", F_C, 0.02);
-    near("f_s", 9.0, 0.04);
+    near("f_s", 9.0, 0.07);
+    near("v_s", V_S, 0.03);
+    // A ratio of the levels that only followed the fit ended beside the least squares, with 0.734 %.
+    assert!(fit.relative_error < 0.71, "{}", fit.relative_error);
     near("presliding", F_C / SIGMA0, 0.05);
     near("sigma1", SIGMA1, 0.08);
 }
