@@ -16,8 +16,8 @@ const WORTHLESS: f64 = 0.001;
 /// Share of the least error of the other structures that one whose friction rises over the first
 /// speeds must stay below: what a real rise takes off is plain.
 const RISEN: f64 = 0.75;
-/// The same share where another recording bears that structure out: it predicts, whatever it is that
-/// rises.
+/// The same share of another recording, which then bears that structure out where both together are
+/// predicted no worse: it predicts, whatever it is that rises.
 const BORNE_OUT: f64 = 1.0 - ALIKE;
 
 /// A structure against the best one.
@@ -82,7 +82,7 @@ pub fn choose(scores: &[CrossValidation]) -> Option<Choice> {
             let share = scores[rises].relative_error / scores[falls].relative_error;
             let borne_out = there[rises].zip(there[falls]);
             let borne_out = borne_out.is_some_and(|(rises, falls)| rises <= BORNE_OUT * falls);
-            match share <= RISEN || borne_out && share <= BORNE_OUT {
+            match share <= RISEN || borne_out && share <= 1.0 {
                 true => FirstSpeeds::Rises,
                 false => FirstSpeeds::Plausible,
             }
@@ -220,7 +220,8 @@ mod tests {
         let choice = with(0.9, 0.9).unwrap();
         assert_eq!((choice.chosen, choice.without_rise), (1, Some(0)));
         assert_eq!(choice.rivals().collect::<Vec<_>>(), [0], "however much worse it predicts");
-        for (here, there) in [(0.8, 0.97), (1.0, 0.92)] {
+        assert_eq!(with(1.0, 0.92).unwrap().chosen, 1, "another recording alone may tell it");
+        for (here, there) in [(0.8, 0.97), (1.1, 0.92)] {
             let choice = with(here, there).unwrap();
             assert_eq!((choice.chosen, choice.without_rise), (0, None), "{here} {there}");
         }
