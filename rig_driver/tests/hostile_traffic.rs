@@ -404,6 +404,11 @@ fn attack() {
     if code == Some(1) {
         // Ended by itself, and it said why.
         assert!(said.contains("with the motor at zero volts"), "{said}");
+    } else if said.contains("was there before") {
+        // Of packets that are changed at random one may be the word of a node of the same name that
+        // began earlier: beside it this one does not work.
+        assert!(said.contains("deactivate: active to inactive"), "{said}");
+        assert!(unanswered == 0, "{unanswered} stops unanswered: {said}");
     } else {
         assert!(code == Some(0) || code == Some(i32::from(ros_node::FORCED)), "{code:?}: {said}");
         assert!(
