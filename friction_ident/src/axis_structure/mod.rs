@@ -48,7 +48,6 @@ mod rivals;
 mod rows;
 mod said;
 mod search;
-mod separable;
 mod shape;
 mod sliding;
 mod stability;
