@@ -43,20 +43,20 @@ impl Projection {
         force: &DVector<f64>,
         not_below_zero: Range<usize>,
     ) -> Option<Self> {
-        let all = Self::new(matrix)?;
-        if not_below_zero.is_empty() {
-            return Some(all);
+        let mut left = Self::new(matrix)?;
+        while !not_below_zero.is_empty() {
+            let weights = left.factor.solve(&left.scaled.tr_mul(force));
+            let away = below_zero(&weights, &left.taken, &not_below_zero);
+            if away.is_empty() {
+                return Some(left);
+            }
+            let scaled = left.scaled.remove_columns_at(&away);
+            let factor = finite(scaled.tr_mul(&scaled))?.cholesky()?;
+            let scale = left.scale.remove_rows_at(&away);
+            let taken = without(&left.taken, &away);
+            left = Self { scaled, scale, factor, taken, ..left };
         }
-        let weights = all.factor.solve(&all.scaled.tr_mul(force));
-        let left_out = below_zero(&weights, not_below_zero);
-        if left_out.is_empty() {
-            return Some(all);
-        }
-        let taken: Vec<usize> = (0..all.count).filter(|j| !left_out.contains(j)).collect();
-        let scaled = all.scaled.remove_columns_at(&left_out);
-        let factor = finite(scaled.tr_mul(&scaled))?.cholesky()?;
-        let scale = all.scale.select_rows(&taken);
-        Some(Self { scaled, scale, factor, taken, ..all })
+        Some(left)
     }
 
     /// The same where the parameters in `tied`, levels at rest, are `ratio` times those before them,
@@ -88,9 +88,21 @@ impl Projection {
     }
 }
 
-/// Those of the parameters in `range` that lie below zero.
-pub(super) fn below_zero(linear: &DVector<f64>, range: Range<usize>) -> Vec<usize> {
-    range.filter(|&j| linear.get(j).is_some_and(|value| *value < 0.0)).collect()
+/// Places of the values that lie below zero, of parameters `taken` that may not: those in `range`.
+pub(super) fn below_zero(
+    values: &DVector<f64>,
+    taken: &[usize],
+    range: &Range<usize>,
+) -> Vec<usize> {
+    let all = taken.iter().zip(values.iter()).enumerate();
+    let below = all.filter(|(_, (j, value))| range.contains(j) && **value < 0.0);
+    below.map(|(place, _)| place).collect()
+}
+
+/// The parameters `taken` but for those at the places `away`.
+pub(super) fn without(taken: &[usize], away: &[usize]) -> Vec<usize> {
+    let all = taken.iter().enumerate().filter(|(place, _)| !away.contains(place));
+    all.map(|(_, &j)| j).collect()
 }
 
 #[cfg(test)]
@@ -108,8 +120,21 @@ mod tests {
         let bounded = Projection::bounded(a.clone(), &y, 1..2).unwrap().rest(&y);
         assert!((bounded.0[0] - 2.0).abs() < 1e-12 && bounded.0[1] == 0.0, "{}", bounded.0);
         assert!((bounded.1 - DVector::from_row_slice(&[-1.0, 1.0, -1.0, 1.0])).norm() < 1e-12);
-        let other = Projection::bounded(a, &-y, 1..2).unwrap().rest(&DVector::zeros(4));
-        assert_eq!(other.0.len(), 2);
+        // The other way `b` is above zero, and nothing holds it.
+        let free = Projection::bounded(a, &(-&y), 1..2).unwrap().rest(&-y);
+        assert!((free.0[1] - 1.0).abs() < 1e-12 && free.1.norm() < 1e-12, "{}", free.0);
+    }
+
+    /// Of `y = 2 a - 3 b + 0.5 c` with `b` and `c` alike: without `b`, `c` goes below zero too.
+    #[test]
+    fn one_that_is_let_go_may_push_another_below_zero() {
+        let a = DMatrix::from_row_slice(3, 3, &[1.0, 0.0, 0.0, 0.0, 1.0, 0.8, 0.0, 0.0, 0.6]);
+        let y = DVector::from_row_slice(&[2.0, -2.6, 0.3]);
+        let free = Projection::new(a.clone()).unwrap().rest(&y).0;
+        assert!((free - DVector::from_row_slice(&[2.0, -3.0, 0.5])).norm() < 1e-12);
+        let (x, rest) = Projection::bounded(a, &y, 1..3).unwrap().rest(&y);
+        assert_eq!((x[1], x[2]), (0.0, 0.0));
+        assert!((x[0] - 2.0).abs() < 1e-12 && (rest.norm() - 2.6f64.hypot(0.3)).abs() < 1e-12);
     }
 
     /// Three times the first column and six times the second.

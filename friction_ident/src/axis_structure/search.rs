@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::AxisStructure;
 use super::naming::{AxisUnits, unknowns};
-use super::projection::{Projection, below_zero};
+use super::projection::{Projection, below_zero, without};
 use super::regressors::Regressors;
 use super::shape::{Limits, PositionScale, Shape, ShapeTerm};
 use super::waves;
@@ -247,22 +247,21 @@ impl<'a> Search<'a> {
     }
 
     fn solved(&self, matrix: &DMatrix<f64>, force: &DVector<f64>) -> Result<Solution, IdentError> {
-        let told = |degenerate: Degenerate, taken: &[usize]| {
-            let names = unknowns(&self.structure, &AxisUnits::LINEAR);
-            let columns = degenerate.columns.into_iter().filter_map(|column| taken.get(column));
-            let columns = columns.filter_map(|&column| names.get(column));
-            IdentError::Columns { names: columns.map(|unknown| unknown.id.to_string()).collect() }
-        };
-        let all: Vec<usize> = (0..matrix.ncols()).collect();
-        let free = least_squares::solve(matrix, force).map_err(|error| told(error, &all))?;
-        let at_zero = below_zero(&free.x, self.regressors.not_below_zero());
-        if at_zero.is_empty() {
-            return Ok(free);
+        let mut taken: Vec<usize> = (0..matrix.ncols()).collect();
+        loop {
+            let fit = least_squares::solve(&matrix.select_columns(&taken), force);
+            let fit = fit.map_err(|Degenerate { columns }| {
+                let names = unknowns(&self.structure, &AxisUnits::LINEAR);
+                let columns = columns.into_iter().filter_map(|column| taken.get(column));
+                let names = columns.filter_map(|&column| names.get(column));
+                IdentError::Columns { names: names.map(|unknown| unknown.id.to_string()).collect() }
+            })?;
+            let away = below_zero(&fit.x, &taken, &self.regressors.not_below_zero());
+            if away.is_empty() {
+                return Ok(fit.among(&taken, matrix.ncols()));
+            }
+            taken = without(&taken, &away);
         }
-        let taken: Vec<usize> = all.into_iter().filter(|j| !at_zero.contains(j)).collect();
-        let few = least_squares::solve(&matrix.clone().remove_columns_at(&at_zero), force);
-        let few = few.map_err(|error| told(error, &taken))?;
-        Ok(few.among(&taken, matrix.ncols()))
     }
 
     /// What the linear parameters leave of a force: levels at rest are not below zero, or `tied` to
