@@ -171,6 +171,31 @@ pub(super) fn refuse_foreign(path: &Path, bytes: &[u8]) -> Result<(), RecordingE
     Err(RecordingError::Form { path: path.into(), form, detail, convert })
 }
 
+/// Refuses a file that neither begins like what its name promises nor is text: MATLAB writes text
+/// under its own ending too.
+///
+/// # Errors
+/// [`RecordingError::Form`].
+pub(super) fn refuse_misnamed(path: &Path) -> Result<(), RecordingError> {
+    let Some(form) = named(path) else { return Ok(()) };
+    let detail = "it does not begin as one: it is damaged, or is something else".to_owned();
+    let (form, convert) = (form.describe(), form.convert());
+    Err(RecordingError::Form { path: path.into(), form, detail, convert })
+}
+
+/// The kind of file that the name promises; none for text, and for names that promise nothing.
+fn named(path: &Path) -> Option<Form> {
+    let ending = path.extension()?.to_str()?;
+    Some(match ending.to_ascii_lowercase().as_str() {
+        "npy" => Form::Npy,
+        "npz" => Form::Npz,
+        "mat" => Form::Matlab,
+        "h5" | "hdf5" => Form::Hdf5,
+        "parquet" => Form::Parquet,
+        _ => return None,
+    })
+}
+
 /// The columns of a file that is no text.
 ///
 /// # Errors

@@ -305,3 +305,23 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn what_is_not_what_its_name_promises_is_called_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let read = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        table::read(&path, &Columns::default(), 0.05)
+    };
+    for (name, form) in [("a.mat", "MATLAB"), ("a.npz", "NumPy"), ("A.H5", "HDF5")] {
+        let said = read(name, b"\xff\x01\x02\x00t").unwrap_err().to_string();
+        assert!(said.contains(form) && said.contains("does not begin as one"), "{said}");
+    }
+    // A line that is no text is named in a file that is to be text, and text is read.
+    let said = read("a.csv", b"t,q,tau\n0,1,\xff\x01\n").unwrap_err().to_string();
+    assert!(said.contains("line 2"), "{said}");
+    let rows: String = (0..200).map(|k| format!("{},{k},1\n", f64::from(k) * 0.01)).collect();
+    let found = read("ascii.mat", format!("t,q,tau\n{rows}").as_bytes()).unwrap();
+    assert_eq!(found.samples(), 200);
+}

@@ -108,6 +108,9 @@ fn one(path: &Path) -> Result<Loaded<'static>, RecordingError> {
     match grid::form_of(&bytes) {
         Form::Text => {
             let (bytes, encoding) = decoded(Cow::Owned(bytes));
+            if std::str::from_utf8(&bytes).is_err() {
+                grid::refuse_misnamed(path)?;
+            }
             Ok(Loaded::Text(bytes, encoding))
         }
         form => grid::read(path, form, &bytes).map(Loaded::Grid),

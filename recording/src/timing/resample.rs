@@ -1,96 +1,82 @@
-//! Uneven samples brought to an even grid of a rate that was asked for.
-//!
-//! Every channel goes the same way, so that what holds between channels goes on to hold: read along
-//! straight lines between neighbouring samples, on a grid at least twice as dense as the samples
-//! are in the mean, then through the zero-phase anti-alias low-pass of
-//! [`decimate`], which ends at 0.4 of the new rate. Where
-//! the new rate itself is that dense, there is nothing to be filtered.
+//! A recording that is brought to one rate, stretch by stretch.
 
-use friction_ident::zero_phase::decimate;
+use std::ops::Range;
+use std::path::Path;
+
+use super::stretch::{EvenStretch, Places};
+use super::uneven::Uneven;
+use super::{BRIDGED, NEEDED, PAUSE, Timing, median, rounded};
+use crate::RecordingError;
+use crate::irregularities::{Irregularities, Resampled};
 
 /// How many new rates fit between the samples' mean rate and the new one at most.
-pub(super) const LARGEST_FACTOR: f64 = 500.0;
+const LARGEST_FACTOR: f64 = 500.0;
 /// How much denser than the samples the new ones may be.
-pub(super) const DENSEST: f64 = 10.0;
+const DENSEST: f64 = 10.0;
 
-/// A stretch of uneven samples, and where it is read.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Uneven {
-    /// Recorded samples and their times from the first one \[s\].
-    nodes: Vec<(usize, f64)>,
-    /// Period of the dense grid \[s\].
-    dense: f64,
-    /// Points of the dense grid.
-    points: usize,
-    /// One in so many of them is kept.
-    factor: usize,
-}
-
-impl Uneven {
-    /// The stretch of `nodes` at `rate`; none where it is too short for the low-pass.
-    pub(super) fn new(nodes: Vec<(usize, f64)>, rate: f64) -> Option<Self> {
-        let (&(_, start), &(_, end)) = (nodes.first()?, nodes.last()?);
-        let nodes: Vec<(usize, f64)> = nodes.iter().map(|&(k, t)| (k, t - start)).collect();
-        let mean_rate = (nodes.len() - 1) as f64 / (end - start);
-        let factor = (2.0 * mean_rate / rate).ceil().max(1.0) as usize;
-        let dense = 1.0 / (rate * factor as f64);
-        let points = ((end - start) / dense * (1.0 + 1e-12)).floor() as usize + 1;
-        let found = Self { nodes, dense, points, factor };
-        decimate(&vec![0.0; points], factor).is_ok().then_some(found)
+/// All stretches between gaps, at one rate.
+pub(super) fn resampled(
+    path: &Path,
+    kept: &[usize],
+    times: &[f64],
+    rate: f64,
+    mut found: Irregularities,
+) -> Result<Timing, RecordingError> {
+    let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let usual = median(&steps);
+    let mut parts: Vec<(Range<usize>, bool)> = Vec::new();
+    let (mut first, mut after_gap) = (0, false);
+    for (k, &step) in steps.iter().enumerate().filter(|(_, step)| **step > BRIDGED * usual) {
+        parts.push((first..k + 1, after_gap));
+        after_gap = step <= PAUSE.max(BRIDGED * usual);
+        first = k + 1;
+        if after_gap {
+            found.gaps += 1;
+            found.missing += (step / usual).round() as usize - 1;
+        } else {
+            found.pauses += 1;
+        }
     }
-
-    /// Samples on the new grid.
-    pub(super) const fn len(&self) -> usize {
-        self.points.div_ceil(self.factor)
-    }
-
-    /// A channel on the new grid. Where nothing is filtered, one that comes from a quantiser keeps
-    /// to its steps.
-    pub(super) fn channel(&self, recorded: &[f64], step: Option<f64>) -> Vec<f64> {
-        let value = |index: usize| recorded.get(index).copied().unwrap_or_default();
-        self.read(|node| value(self.nodes[node].0), step.filter(|_| self.factor == 1))
-    }
-
-    fn read(&self, value: impl Fn(usize) -> f64, step: Option<f64>) -> Vec<f64> {
-        let (mut node, last) = (0, self.nodes.len() - 1);
-        let dense: Vec<f64> = (0..self.points)
-            .map(|point| {
-                let now = point as f64 * self.dense;
-                while node + 1 < last && self.nodes[node + 1].1 <= now {
-                    node += 1;
-                }
-                let (from, to) = (self.nodes[node].1, self.nodes[node + 1].1);
-                let part = ((now - from) / (to - from)).clamp(0.0, 1.0);
-                let here = value(node);
-                let between = part * (value(node + 1) - here);
-                here + step.map_or(between, |step| (between / step).round() * step)
-            })
-            .collect();
-        // It was tried when this was made.
-        decimate(&dense, self.factor).unwrap_or_default()
-    }
-
-    /// What becomes of white noise on the samples, by trying it.
-    pub(super) fn noise(&self) -> f64 {
-        let mut state = 0x2545_f491_4f6c_dd1d_u64;
-        let white: Vec<f64> = (0..self.nodes.len())
-            .map(|_| {
-                state ^= state << 13;
-                state ^= state >> 7;
-                state ^= state << 17;
-                (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-            })
-            .collect();
-        let deviation = |values: &[f64]| {
-            let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
-            (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len().max(1) as f64)
-                .sqrt()
+    parts.push((first..times.len(), after_gap));
+    let mut stretches: Vec<EvenStretch> = Vec::new();
+    let mut longest = 0;
+    for (samples, after_gap) in parts {
+        let nodes: Vec<(usize, f64)> = samples.clone().map(|k| (kept[k], times[k])).collect();
+        let uneven = if nodes.len() < NEEDED {
+            None
+        } else {
+            let seconds = times[samples.end - 1] - times[samples.start];
+            let mean_rate = (nodes.len() - 1) as f64 / seconds;
+            if !(rate <= DENSEST * mean_rate && rate * LARGEST_FACTOR >= mean_rate) {
+                let mean_rate = rounded(mean_rate);
+                return Err(RecordingError::ResampleRate { path: path.into(), rate, mean_rate });
+            }
+            Uneven::new(nodes, rate).map(|uneven| (uneven, mean_rate))
         };
-        deviation(&self.read(|node| white[node], None)) / deviation(&white)
+        let Some((uneven, mean_rate)) = uneven.filter(|(uneven, _)| uneven.len() >= NEEDED) else {
+            found.leave_out(samples.len());
+            continue;
+        };
+        if samples.len() > longest {
+            longest = samples.len();
+            found.resampled = Some(Resampled {
+                rate,
+                mean_rate: rounded(mean_rate),
+                low_pass: uneven.low_pass(rate).map(rounded),
+                noise: uneven.noise(),
+            });
+        }
+        stretches.push(EvenStretch {
+            start: times[samples.start],
+            time_step: 1.0 / rate,
+            after_gap,
+            places: Places::Resampled(uneven),
+        });
     }
-
-    /// Where the low-pass ends \[Hz\].
-    pub(super) fn low_pass(&self, rate: f64) -> Option<f64> {
-        (self.factor > 1).then_some(0.4 * rate)
+    if stretches.is_empty() {
+        let (path, found, needed) = (path.into(), times.len(), NEEDED);
+        return Err(RecordingError::TooShort { path, found, needed });
     }
+    found.stretches = stretches.len();
+    Ok(Timing { stretches, irregularities: found })
 }
