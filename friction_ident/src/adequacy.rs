@@ -8,7 +8,7 @@ use std::fmt;
 
 use crate::axis_structure::AxisStructure;
 use crate::conditioning::Conditioned;
-use crate::drift::drift;
+use crate::drift::{drift, wander};
 use crate::parameter_id::ParameterId;
 use crate::rigid_axis::Prediction;
 
@@ -95,6 +95,38 @@ pub enum FitDoubt {
         /// Change as a share of the friction's root mean square.
         change: f64,
     },
+    /// A constant force does not stay the same.
+    #[error(
+        "leaves a residual that says that a constant force {} while it was recorded, by {:.0} % of the friction from the beginning \
+         to the end (a zero of the sensor that wanders, a load that changes): its parameters have \
+         taken up part of that. Take the zero before and after, or record for a shorter time",
+        if *change < 0.0 { "fell" } else { "grew" }, 100.0 * change.abs()
+    )]
+    Wanders {
+        /// Change as a share of the friction's root mean square.
+        change: f64,
+    },
+    /// Its parts are not those of one axis.
+    #[error(
+        "is off by {together:.1} % of the force, where two fits, one to the first {:.0} % of what was recorded and one to the rest, \
+         are off by {apart:.1} %: they have {id} at {} and at {}. The axis or its load is not the same throughout. Its parameters are \
+         not to be trusted, whatever their errors; identify each part, or each recording, by itself",
+        100.0 * share, digits(*first), digits(*second)
+    )]
+    Parts {
+        /// Relative error of one fit to all \[%\].
+        together: f64,
+        /// The same of two fits \[%\].
+        apart: f64,
+        /// Where they part, as a share of what was recorded.
+        share: f64,
+        /// The parameter in which they differ most.
+        id: ParameterId,
+        /// Its value before.
+        first: f64,
+        /// Its value after.
+        second: f64,
+    },
     /// Friction of its own that gives energy.
     #[error(
         "has {id} below zero by more than its error, which friction cannot be: it stands for something \
@@ -135,10 +167,22 @@ pub enum FitDoubt {
 }
 
 impl FitDoubt {
+    /// Whether it is of the recording, and not of what is fitted to it.
+    #[must_use]
+    pub const fn is_of_the_recording(&self) -> bool {
+        matches!(self, Self::Drifts { .. } | Self::Wanders { .. })
+    }
+
     /// Whether no parameter of the fit is to be trusted, and not only its last digits.
     #[must_use]
     pub const fn condemns(&self) -> bool {
-        matches!(self, Self::Unexplained { .. } | Self::Impossible { .. } | Self::Elsewhere { .. })
+        matches!(
+            self,
+            Self::Unexplained { .. }
+                | Self::Impossible { .. }
+                | Self::Elsewhere { .. }
+                | Self::Parts { .. }
+        )
     }
 }
 
@@ -166,6 +210,11 @@ pub fn outdone(
     Some(FitDoubt::Outdone { there, simpler, simpler_there })
 }
 
+/// Three significant digits.
+fn digits(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}
+
 fn mean_square(values: &[f64]) -> f64 {
     values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64
 }
@@ -183,6 +232,7 @@ pub fn doubts(prediction: &Prediction, recording: &Conditioned) -> Vec<FitDoubt>
     let columns: Vec<_> = columns.into_iter().filter_map(rows).collect();
     let mut doubts = doubts_of(&prediction.residual(), &prediction.measured, &columns);
     doubts.extend(drift(prediction).map(|change| FitDoubt::Drifts { change }));
+    doubts.extend(wander(prediction).map(|change| FitDoubt::Wanders { change }));
     doubts
 }
 

@@ -1,4 +1,5 @@
-//! Whether the friction of an axis changes while it is recorded: grease warms up, a belt settles.
+//! Whether the friction of an axis, or a constant force, changes while it is recorded: grease warms
+//! up, a belt settles, the zero of a sensor wanders.
 //!
 //! A fit takes friction for the same throughout. Where it is not, and the motion is another late
 //! than early (a chirp, a list of rising speeds), viscous friction takes up what time has done, and
@@ -24,6 +25,19 @@ const NOTICED: f64 = 0.05;
 /// matter.
 #[must_use]
 pub fn drift(prediction: &Prediction) -> Option<f64> {
+    // A constant force cancels.
+    change(prediction, |forward, backward| 0.5 * (forward - backward))
+}
+
+/// The same of a constant force, as a share of the same: the zero of a sensor that wanders.
+#[must_use]
+pub fn wander(prediction: &Prediction) -> Option<f64> {
+    // Friction cancels.
+    change(prediction, |forward, backward| 0.5 * (forward + backward))
+}
+
+/// The change of what the mean residuals of both directions say.
+fn change(prediction: &Prediction, of: impl Fn(f64, f64) -> f64) -> Option<f64> {
     let residual = prediction.residual();
     let (time, velocity) = (&prediction.time, &prediction.velocity);
     let rows = residual.len().min(time.len()).min(velocity.len());
@@ -36,9 +50,8 @@ pub fn drift(prediction: &Prediction) -> Option<f64> {
             };
             let (forward, backward) = (along(1.0), along(-1.0));
             let middle = time.get((own.start + own.end) / 2)?;
-            // A constant force cancels.
             let both = forward.count.min(backward.count) >= FEWEST_ROWS;
-            both.then_some((*middle, 0.5 * (forward.mean - backward.mean)))
+            both.then_some((*middle, of(forward.mean, backward.mean)))
         })
         .collect();
     let (slope, clear) = slope(&points)?;
@@ -77,6 +90,13 @@ mod tests {
     /// A joint whose friction is `share` more at the end than at the beginning, moved faster and
     /// faster.
     fn found(seed: u64, share: f64) -> (f64, Option<f64>) {
+        let (viscous, drift, wander) = moved(seed, share, 0.0);
+        assert_eq!(wander, None);
+        (viscous, drift)
+    }
+
+    /// The same under a constant force that grows by so much.
+    fn moved(seed: u64, share: f64, grows: f64) -> (f64, Option<f64>, Option<f64>) {
         let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
         let (dt, length) = (2e-3, 40.0);
         let (place, force): (Vec<f64>, Vec<f64>) = (0..20_000)
@@ -88,7 +108,7 @@ mod tests {
                 let grown = 1.0 + share * (t / length - 0.5);
                 let friction = grown * (0.5 * v + 1.2 * v.signum());
                 let noise = 0.05 * rng.sample::<f64, _>(StandardNormal);
-                (0.8 * sin, 0.1 * a + friction + 0.2 + noise)
+                (0.8 * sin, 0.1 * a + friction + 0.2 + grows * t / length + noise)
             })
             .unzip();
         let signals =
@@ -96,7 +116,8 @@ mod tests {
         let recording = condition(&signals, &Conditioning::for_time_step(dt)).unwrap();
         let fit = fit_axis(&recording, AxisModel::SYMMETRIC).unwrap();
         let viscous = fit.value(AxisTerm::Viscous);
-        (viscous, drift(&fit.predict(&recording).unwrap()))
+        let along = fit.predict(&recording).unwrap();
+        (viscous, drift(&along), wander(&along))
     }
 
     /// Grease that warms up: the viscous friction of a chirp comes out wrong, and no interval says
@@ -113,6 +134,16 @@ mod tests {
     fn friction_that_stays_is_not() {
         for seed in 0..20 {
             assert_eq!(found(seed, 0.0).1, None, "{seed}");
+        }
+    }
+
+    /// A sensor whose zero wanders: no residual said so, and the levels of a dip took it up.
+    #[test]
+    fn a_constant_force_that_grows_is_told_and_is_no_change_of_friction() {
+        for (seed, grows) in [(3, 0.6), (4, -0.6)] {
+            let (_, drift, wander) = moved(seed, 0.0, grows);
+            assert_eq!(drift, None);
+            assert!(wander.is_some_and(|change| change * grows > 0.1), "{wander:?}");
         }
     }
 }

@@ -2,6 +2,7 @@
 //! the opposite. And what that does to the others.
 
 use super::doubts::SIGNED;
+use super::naming::SLOW;
 use super::shape::{Limits, Shape, ShapeTerm};
 use crate::estimate::{Doubt, Estimate, Estimates, Verdict};
 use crate::parameter_id::ParameterId;
@@ -30,7 +31,8 @@ const AT: f64 = 1e-6;
 const CURVE: [&str; 3] = ["f_v", "f_c", "f_s"];
 
 /// Says of the other parameters that they take what a parameter at its bound leaves over: inertia
-/// and friction that of a force that comes later still, the friction curve that of a broader dip.
+/// and friction that of a force that comes later still, the friction curve that of a broader dip, the
+/// level at rest that of a narrower one.
 pub(super) fn distrust(
     terms: &[ShapeTerm],
     limits: &Limits,
@@ -55,9 +57,21 @@ pub(super) fn distrust(
                 let why = "the dip is as broad as the search allows: the levels and the viscous friction take of one another";
                 estimates.distrust_but(other, why, BROAD);
             }
+            // How deep a narrow dip is, and how narrow, go into one another.
+            ShapeTerm::StribeckVelocity
+                if narrowest(estimates, value) <= (1.0 + AT) * limits.low.v_s =>
+            {
+                let why = "the dip may be as narrow as the search allows, and is as much deeper then: how deep it is is not known";
+                estimates.distrust_but(|id| id.name != "f_s", why, SLOW);
+            }
             _ => {}
         }
     }
+}
+
+/// The narrowest dip that the interval of the Stribeck velocity has; `value` where it has none.
+fn narrowest(estimates: &Estimates, value: f64) -> f64 {
+    estimates.get("v_s").and_then(|v_s| v_s.interval).map_or(value, |interval| interval.low)
 }
 
 /// The remedy at a bound; none where the usual one helps.
@@ -81,9 +95,10 @@ mod tests {
     use super::super::tests::stribeck_axis;
     use super::*;
 
-    /// Of a dip that is broader than the search goes the levels were told with narrow intervals.
+    /// Of a dip that is broader than the search goes the levels were told with narrow intervals, and of
+    /// one that is narrower the level at rest, up to four times the true one.
     #[test]
-    fn a_dip_at_the_upper_bound_leaves_no_levels() {
+    fn a_dip_at_a_bound_leaves_no_levels() {
         let limits = Limits::of(&stribeck_axis());
         let structure = "symmetric+stribeck".parse().unwrap();
         let terms = ShapeTerm::of(&structure);
@@ -99,7 +114,7 @@ mod tests {
             left.map(|estimate| estimate.id.name).collect::<Vec<_>>()
         };
         assert_eq!(identified(limits.high), ["inertia", "offset", "v_s"]);
-        assert_eq!(identified(limits.low).len(), 6);
+        assert_eq!(identified(limits.low), ["inertia", "f_v", "offset", "f_c", "v_s"]);
     }
 
     /// A dip that is too broad was told to move slowly, and a force that lags to be sampled faster.

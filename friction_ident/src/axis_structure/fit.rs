@@ -50,6 +50,9 @@ pub struct StructureFit {
     /// What the sliding alone says of parameters whose own interval does not hold that; nothing
     /// before [`heed`](Self::heed).
     pub sliding: Vec<(ParameterId, f64)>,
+    /// The same of a fit whose viscous friction need not be a straight line, where the recording
+    /// says clearly that it is none.
+    pub curved: Vec<(ParameterId, f64)>,
     linear: Vec<f64>,
 }
 
@@ -183,7 +186,13 @@ pub fn fit_structure(
 ) -> Result<StructureFit, IdentError> {
     let scale = PositionScale::of(recording);
     let mut search = Search::new(recording, structure, scale)?;
-    let best = search.whole()?;
+    let mut best = search.whole()?;
+    if search.settled(&best).is_err() {
+        // From where the dip follows at once its lag may settle all the same.
+        let at_once = AxisStructure { lag: false, ..structure };
+        let start = Search::new(recording, at_once, scale)?.whole()?.shape;
+        best = search.from(start, &[])?;
+    }
     fitted(search, best, scale, units)
 }
 
@@ -246,6 +255,7 @@ fn fitted(
         samples,
         effective_share: share,
         sliding: Vec::new(),
+        curved: Vec::new(),
         linear: solution.x.as_slice().to_vec(),
     })
 }

@@ -35,8 +35,10 @@ impl AxisUnits {
 }
 
 const FASTER: &str = "a motion with more and stronger acceleration";
-const SPEEDS: &str = "a motion at several constant speeds in both directions";
-const SLOW: &str =
+/// What tells the parts of friction at steady speeds.
+pub(super) const SPEEDS: &str = "a motion at several constant speeds in both directions";
+/// What shows a dip.
+pub(super) const SLOW: &str =
     "slow motion: steady speeds below and around the dip, down to where the axis sticks";
 const REVERSALS: &str = "small oscillations about a point, with a position sensor that resolves the first part of each reversal";
 const STEPS: &str = "reversals and steps of the force, sampled faster";

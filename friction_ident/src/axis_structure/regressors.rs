@@ -38,6 +38,8 @@ fn too_few(needed: usize, found: usize) -> IdentError {
 pub(super) struct Regressors<'a> {
     recording: &'a Conditioned,
     structure: AxisStructure,
+    /// Exponent of a further viscous friction that goes with a power of the velocity.
+    power: Option<f64>,
     /// Position from -1 to 1 over the estimation recording, where the structure needs it.
     place: Vec<f64>,
     /// How samples become rows.
@@ -60,6 +62,16 @@ impl<'a> Regressors<'a> {
         structure: AxisStructure,
         scale: PositionScale,
     ) -> Result<Self, IdentError> {
+        Self::with_power(recording, structure, scale, None)
+    }
+
+    /// The same beside `|v|^p sign(v)`, the last of the fixed columns.
+    pub fn with_power(
+        recording: &'a Conditioned,
+        structure: AxisStructure,
+        scale: PositionScale,
+        power: Option<f64>,
+    ) -> Result<Self, IdentError> {
         let rows = Rows::of(recording)?;
         if recording.force.iter().all(|&force| force == 0.0) {
             return Err(IdentError::ZeroForce);
@@ -75,6 +87,7 @@ impl<'a> Regressors<'a> {
         let mut made = Self {
             recording,
             structure,
+            power,
             place,
             rows,
             fixed: Vec::new(),
@@ -238,6 +251,11 @@ impl<'a> Regressors<'a> {
         Levels { kinetic, rest, along, damping }
     }
 
+    /// Where the force of a power of the velocity is among the linear parameters.
+    pub fn of_power(&self) -> Option<usize> {
+        self.power.and(self.fixed.len().checked_sub(1))
+    }
+
     /// The linear parameters that may not be below zero, as friction at rest would then drive the axis:
     /// its levels there. Where a dip lags, their ratio has bounds of its own.
     pub fn not_below_zero(&self) -> Range<usize> {
@@ -305,6 +323,9 @@ impl<'a> Regressors<'a> {
             let angles = self.recording.position.as_deref().unwrap_or_default();
             columns.push(angles.iter().map(|q| q.sin()).collect());
             columns.push(angles.iter().map(|q| q.cos()).collect());
+        }
+        if let Some(power) = self.power {
+            columns.push(velocity.iter().map(|v| v.abs().powf(power).copysign(*v)).collect());
         }
         columns
     }

@@ -6,13 +6,20 @@
 //! Augustin 1997, Biometrics 53).
 
 use super::fit::StructureFit;
+use super::naming::SPEEDS;
 use super::said::Said;
-use super::{Choice, CrossValidation, Ranked, sliding};
+use super::{Choice, CrossValidation, Ranked, curved, sliding};
 use crate::conditioning::Conditioned;
 use crate::estimate::{Doubt, Estimate, Interval, IntervalMethod, Verdict};
+use crate::parameter_id::ParameterId;
 
 /// Share of the value that an interval may reach to each side.
 const WIDEST: f64 = 1.0;
+
+/// What a straight line over the speeds and a dip at its beginning are made of.
+const STRAIGHT: [&str; 4] = ["f_v", "f_c", "f_s", "v_s"];
+const CURVED: &str =
+    "friction is no straight line over these speeds, and a fit that lets it bend puts it elsewhere";
 
 impl Choice {
     /// Places in the given list of those that predict as well as the chosen one, all that the rule
@@ -27,22 +34,35 @@ impl Choice {
 
 impl StructureFit {
     /// Widens each interval to what `rivals` say of the parameter when they are fitted to the same
-    /// recording, and to what its sliding alone says: each counts as unsure as the chosen one is.
+    /// recording, and to what its sliding alone and friction that is
+    /// no straight line say: each counts as unsure as the chosen one is.
     /// Rivals that cannot be fitted say nothing.
     pub fn heed(&mut self, recording: &Conditioned, rivals: &[CrossValidation]) {
         let (own, scale) = (self.structure, self.position_scale);
         let rivals = rivals.iter().filter_map(|rival| Said::of(recording, rival, scale));
         let mut all: Vec<Said> = rivals.collect();
+        if let Some(curved) = curved::said(self, recording) {
+            self.curved = self.outside(&curved);
+            all.push(curved);
+        }
         if let Some(sliding) = sliding::said(recording, own, &self.shape, scale, &self.estimates) {
-            let outside = |estimate: &Estimate| {
-                let value = sliding.value(estimate.id, own)?;
-                let inside = estimate.interval.is_none_or(|interval| interval.contains(value));
-                (!inside).then_some((estimate.id, value))
-            };
-            self.sliding = self.estimates.parameters.iter().filter_map(outside).collect();
+            self.sliding = self.outside(&sliding);
             all.push(sliding);
         }
         self.widen(&all);
+        let listed = |id: ParameterId| self.curved.iter().any(|(own, _)| *own == id);
+        let straight = |id: ParameterId| STRAIGHT.contains(&id.name) && listed(id);
+        self.estimates.distrust_but(|id| !straight(id), CURVED, SPEEDS);
+    }
+
+    /// What another fit says of the parameters whose intervals do not hold that.
+    fn outside(&self, said: &Said) -> Vec<(ParameterId, f64)> {
+        let outside = |estimate: &Estimate| {
+            let value = said.value(estimate.id, self.structure)?;
+            let inside = estimate.interval.is_none_or(|interval| interval.contains(value));
+            (!inside).then_some((estimate.id, value))
+        };
+        self.estimates.parameters.iter().filter_map(outside).collect()
     }
 
     fn widen(&mut self, all: &[Said]) {

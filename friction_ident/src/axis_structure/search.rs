@@ -57,7 +57,17 @@ impl<'a> Search<'a> {
         structure: AxisStructure,
         scale: PositionScale,
     ) -> Result<Self, IdentError> {
-        let regressors = Regressors::new(recording, structure, scale)?;
+        Self::with_power(recording, structure, scale, None)
+    }
+
+    /// The same with [`Regressors::with_power`].
+    pub fn with_power(
+        recording: &'a Conditioned,
+        structure: AxisStructure,
+        scale: PositionScale,
+        power: Option<f64>,
+    ) -> Result<Self, IdentError> {
+        let regressors = Regressors::with_power(recording, structure, scale, power)?;
         regressors.enough()?;
         Ok(Self { regressors, limits: Limits::of(recording), structure, rows: None })
     }
@@ -123,7 +133,7 @@ impl<'a> Search<'a> {
     }
 
     /// `start` with the best of some values of a nonlinear parameter.
-    fn best_of(
+    pub fn best_of(
         &mut self,
         term: ShapeTerm,
         values: Vec<f64>,

@@ -50,9 +50,10 @@ impl Identification {
         for model in std::iter::once(&mut self.symmetric).chain(&mut self.asymmetric) {
             self.warnings.retain(|said| model.faults.iter().all(|fault| fault.said != *said));
             // It is of the recording: the chosen structure has said it.
-            let again = |fault: &Fault| {
-                chosen.drifts && matches!(fault.doubt, Some(FitDoubt::Drifts { .. }))
+            let told = |own: FitDoubt| {
+                own.is_of_the_recording() && chosen.doubts.iter().any(|of| alike(own, *of))
             };
+            let again = |fault: &Fault| fault.doubt.is_some_and(told);
             model.faults.retain(|fault| !again(fault));
             model.faults.iter_mut().for_each(|fault| fault.stand_beside(chosen));
         }
@@ -68,7 +69,7 @@ impl Identification {
 }
 
 /// Whether both are of one kind, whatever the numbers.
-fn alike(one: FitDoubt, other: FitDoubt) -> bool {
+pub(super) fn alike(one: FitDoubt, other: FitDoubt) -> bool {
     match (one, other) {
         (FitDoubt::Pattern { quantity: one, .. }, FitDoubt::Pattern { quantity: other, .. }) => {
             one == other

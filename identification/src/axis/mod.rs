@@ -33,6 +33,7 @@ use friction_ident::{
 
 pub use band::TooFast;
 pub use faults::Fault;
+use faults::alike;
 use friction_ident::statistics::root_mean_square;
 use longest::longest;
 pub use one_speed::OneSpeed;
@@ -201,7 +202,7 @@ pub fn identify(
         warnings.push(said.clone());
         faults.push(Fault { doubt: None, said });
     }
-    let mut drift = None;
+    let mut changes: Vec<(FitDoubt, String)> = Vec::new();
     let mut symmetric = ModelResult { warned: !faults.is_empty(), faults, ..result(symmetric)? };
     let wanted = AxisModel { asymmetric: true, inertia: settings.inertia, offset: false, load };
     let mut asymmetric = match fit_axis(&estimation, wanted) {
@@ -227,12 +228,12 @@ pub fn identify(
         model.warned |= !whole.is_empty();
         for doubt in whole {
             let said = format!("The {name} model {doubt}.{more}");
-            // It is of the recording and not of the model: once is enough.
-            if matches!(doubt, FitDoubt::Drifts { .. }) {
-                if drift.is_some() {
+            // What is of the recording and not of the model is said once.
+            if doubt.is_of_the_recording() {
+                if changes.iter().any(|(told, _)| alike(*told, doubt)) {
                     continue;
                 }
-                drift = Some(said.clone());
+                changes.push((doubt, said.clone()));
             } else {
                 warnings.push(said.clone());
             }
@@ -252,7 +253,7 @@ pub fn identify(
             model.fit.distrust_what_other_joints_move();
         }
     }
-    warnings.extend(drift);
+    warnings.extend(changes.into_iter().map(|(_, said)| said));
     let found = Identification {
         settings: *settings,
         load: loads,

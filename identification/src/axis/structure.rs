@@ -90,8 +90,6 @@ pub struct Structured {
     pub warnings: Vec<String>,
     /// What these warnings are of.
     pub doubts: Vec<FitDoubt>,
-    /// Whether one of them says that friction changed while it was recorded.
-    pub drifts: bool,
     /// Whether the ramps of a motion of one speed tell the inertia; none where it has several.
     pub ramps: Option<bool>,
     /// Units.
@@ -119,6 +117,14 @@ impl Structured {
                 said.join(", ")
             )
         });
+        let said: Vec<String> = self.fit.curved.iter().map(number).collect();
+        let curved = (!said.is_empty()).then(|| {
+            format!(
+                "Friction is no straight line over the speeds of this recording. Beside a force that goes with a power of the speed the fit finds {}. \
+                 The intervals reach to both; beyond these speeds, friction is not what the line says.",
+                said.join(", ")
+            )
+        });
         let rise = self.choice.without_rise.and_then(|best| self.scores.get(best)).map(|best| {
             format!(
                 "It predicts clearly better than the best structure whose friction does not rise over the first speeds ({}), and is chosen for that. \
@@ -135,7 +141,7 @@ impl Structured {
             )
         };
         let below: Vec<String> = below(&self.fit).filter(new).map(said).collect();
-        sliding.into_iter().chain(along).chain(below).chain(own).chain(rise).collect()
+        sliding.into_iter().chain(curved).chain(along).chain(below).chain(own).chain(rise).collect()
     }
 }
 
@@ -238,6 +244,7 @@ pub fn structured(
     });
     let mut doubts = adequacy::doubts(&here, estimation);
     doubts.extend(fit.impossible());
+    doubts.extend(fit.parts(estimation));
     doubts.extend(fails);
     doubts.extend(outdone);
     let speed = one_speed(&estimation.velocity);
@@ -252,7 +259,6 @@ pub fn structured(
     }
     let name = fit.structure;
     let warnings = doubts.iter().map(|doubt| format!("The structure {name} {doubt}.")).collect();
-    let drifts = doubts.iter().any(|doubt| matches!(doubt, FitDoubt::Drifts { .. }));
     let (estimation, validation) = (here, there);
     Ok(Some(Structured {
         scores,
@@ -263,7 +269,6 @@ pub fn structured(
         validation,
         warnings,
         doubts,
-        drifts,
         ramps,
         axis,
     }))

@@ -57,6 +57,13 @@ impl Sheet<'_> {
         if candidates.len() > 1 {
             present = format!("{present} (it may be {})", candidates.join(" or "));
         }
+        if let (Channel::Force, [current]) = (channel, &self.candidates(Channel::Current)[..]) {
+            let name = &self.names[*current];
+            present = format!(
+                "{present} (the current {name} becomes a torque by the motor's constant KT: \
+                 --force-column '{name}:KT')"
+            );
+        }
         RecordingError::Unrecognised { path: self.path.into(), channel, present }
     }
 

@@ -133,6 +133,15 @@ fn texts_of_spreadsheets_and_of_measuring_programs_are_read() {
 }
 
 #[test]
+fn a_current_in_place_of_a_torque_is_told_with_what_makes_it_one() {
+    let rows: String = (0..40).map(|k| format!("{},{k},1\n", f64::from(k) * 0.01)).collect();
+    let said = read(format!("t,q,i_A\n{rows}").as_bytes()).unwrap_err().to_string();
+    assert!(said.contains("--force-column 'i_A:KT'"), "{said}");
+    let said = read(format!("t,q,other\n{rows}").as_bytes()).unwrap_err().to_string();
+    assert!(!said.contains("KT"), "{said}");
+}
+
+#[test]
 fn times_written_as_dates_are_read() {
     let text = |stamp: &dyn Fn(u32) -> String| {
         let rows = (0..40).map(|k| format!("{},{k},1\n", stamp(k)));
