@@ -63,7 +63,7 @@ impl fmt::Display for Quantity {
 pub enum FitDoubt {
     /// It leaves too much.
     #[error(
-        "explains only {:.0} % of the force's mean square (below {:.0} %): something acts \
+        "explains only {:.1} % of the force's mean square (below {:.0} %): something acts \
          that it does not have, or sign or scale of the force are wrong. Its parameters are not to \
          be trusted, whatever their errors",
         100.0 * explained, 100.0 * LEAST_EXPLAINED

@@ -146,7 +146,11 @@ pub fn cross_validate_beside(
     let simpler = known.iter().filter(simpler);
     let best = match simpler.min_by(|a, b| a.relative_error.total_cmp(&b.relative_error)) {
         Some(simpler) => search.grown(&simpler.structure, simpler.shape, ENOUGH)?,
-        None => search.whole()?,
+        None => {
+            let (least, best) = Search::least(recording, structure, PositionScale::of(recording))?;
+            search = least;
+            best
+        }
     };
     if let Some(prompt) = known.iter().find(|score| structure.lag && score.structure == at_once) {
         let scale = PositionScale::of(recording);

@@ -185,14 +185,7 @@ pub fn fit_structure(
     units: &AxisUnits,
 ) -> Result<StructureFit, IdentError> {
     let scale = PositionScale::of(recording);
-    let mut search = Search::new(recording, structure, scale)?;
-    let mut best = search.whole()?;
-    if search.settled(&best).is_err() {
-        // From where the dip follows at once its lag may settle all the same.
-        let at_once = AxisStructure { lag: false, ..structure };
-        let start = Search::new(recording, at_once, scale)?.whole()?.shape;
-        best = search.from(start, &[])?;
-    }
+    let (search, best) = Search::least(recording, structure, scale)?;
     fitted(search, best, scale, units)
 }
 

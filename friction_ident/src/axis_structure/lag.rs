@@ -3,9 +3,11 @@
 
 use nalgebra::DVector;
 
-use super::search::{Best, Search};
-use super::shape::{Shape, ShapeTerm};
+use super::AxisStructure;
+use super::search::{Best, EXACT, Search};
+use super::shape::{PositionScale, Shape, ShapeTerm};
 use crate::IdentError;
+use crate::conditioning::Conditioned;
 
 /// Change of the logarithm of `f_s` over `f_c` up to which a lag is that of the fit, how much more of
 /// it is enough where the fit need not be exact (a multiple of the root of the share that is enough),
@@ -15,6 +17,35 @@ const ENOUGH_RATIO: f64 = 3.0;
 const ROUNDS: usize = 8;
 /// The same change beyond which a fit is none.
 const SETTLED: f64 = 0.05;
+
+impl<'a> Search<'a> {
+    /// A search with its best fit without a starting point. Where the lag of that does not settle, it
+    /// may from where the dip follows at once, or from the fit whose directions share their levels.
+    ///
+    /// # Errors
+    /// Those of the fit.
+    pub fn least(
+        recording: &'a Conditioned,
+        structure: AxisStructure,
+        scale: PositionScale,
+    ) -> Result<(Self, Best), IdentError> {
+        let mut search = Self::new(recording, structure, scale)?;
+        let best = search.whole()?;
+        if search.settled(&best).is_ok() {
+            return Ok((search, best));
+        }
+        let at_once = AxisStructure { lag: false, ..structure };
+        let shared = AxisStructure { asymmetric: false, ..structure };
+        for simpler in [at_once, shared].into_iter().filter(|simpler| *simpler != structure) {
+            let start = Self::new(recording, simpler, scale).and_then(|mut other| other.whole());
+            let from = start.and_then(|start| search.grown(&simpler, start.shape, EXACT));
+            if let Some(found) = from.ok().filter(|found| search.settled(found).is_ok()) {
+                return Ok((search, found));
+            }
+        }
+        Ok((search, best))
+    }
+}
 
 impl Search<'_> {
     /// The best fit from a starting point, with some nonlinear parameters kept at it, done when the sum

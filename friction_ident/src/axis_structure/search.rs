@@ -18,7 +18,7 @@ use crate::least_squares::{self, Degenerate, Solution};
 use crate::{Ending, IdentError};
 
 /// Share of the sum of squares by which a search for parameters must still fall to go on.
-const EXACT: f64 = 1e-8;
+pub(super) const EXACT: f64 = 1e-8;
 /// Share of the sum of squares that a force that was recorded late takes off at least.
 const LATE: f64 = 0.1;
 /// Share of the longest delay below which a delay lies at zero.
