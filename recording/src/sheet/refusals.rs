@@ -57,8 +57,9 @@ impl Sheet<'_> {
         if candidates.len() > 1 {
             present = format!("{present} (it may be {})", candidates.join(" or "));
         }
-        if let (Channel::Force, [current]) = (channel, &self.candidates(Channel::Current)[..]) {
-            let name = &self.names[*current];
+        let current = self.optional(Channel::Current, None).ok().flatten();
+        if let Some(current) = current.filter(|_| channel == Channel::Force) {
+            let name = current.source.name;
             present = format!(
                 "{present} (the current {name} becomes a torque by the motor's constant KT: \
                  --force-column '{name}:KT')"
