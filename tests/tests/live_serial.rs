@@ -1,6 +1,6 @@
 //! `frictionlab live` against the emulated rig on a pseudo-terminal.
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Read};
 use std::process::{Command, Stdio};
 
 use tests::emulated_rig::{EmulatedRig as Rig, said};
@@ -10,6 +10,7 @@ use tests::unstarved;
 const DRIVEN: &str = "86";
 const UNPLUGGED: &str = "87";
 const REFUSED: &str = "88";
+const SILENT: &str = "91";
 
 /// `frictionlab live` on the port.
 fn live(rig: &Rig, domain: &str, arguments: &[&str]) -> Command {
@@ -78,6 +79,27 @@ fn a_cable_pulled_during_a_live_run_ends_it_with_a_sentence_and_a_whole_bag() {
     assert!(rig.folder().join("live/bag").join("metadata.yaml").is_file(), "{text}");
     let summary = rig.finish();
     assert_eq!(summary["voltage"], 0);
+}
+
+/// What ended the cycle before the activation was said in the words of the thread that it ended: "clean
+/// the node up", of which a user of `live` has none.
+#[test]
+fn a_device_that_falls_silent_before_it_is_active_is_named() {
+    let mut rig = Rig::start(&[]);
+    let mut run = live(&rig, SILENT, &["--duration", "60"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    let mut words = BufReader::new(run.stderr.take().expect("its words"));
+    let mut text = String::new();
+    while !text.contains("control thread:") && words.read_line(&mut text).expect("text") > 0 {}
+    rig.order("hang 100000");
+    words.read_to_string(&mut text).expect("text");
+    let error = text.lines().find(|line| line.starts_with("error: ")).unwrap_or_default();
+    assert!(error.contains("no measurement came from") && error.contains("zero volts"), "{text}");
+    assert_eq!(run.wait().expect("it ends").code(), Some(1), "{text}");
+    assert_eq!(rig.finish()["voltage"], 0);
 }
 
 /// The later of two runs as one axis would wait for ever for an activation that is not given.

@@ -267,7 +267,9 @@ pub fn run(
     }
     let (published, (bag, errors)) = (published?, kept??);
     if let Err(reason) = begun {
-        return Err(LiveError::Start(reason.to_string()));
+        // A rig that fails before it is active ends the cycle; its own words say why.
+        let why = ending.error().map_or_else(|| reason.to_string(), |error| error.to_string());
+        return Err(LiveError::Start(why));
     }
     if let Some(elder) = elder {
         return Err(LiveError::Elder(elder));
