@@ -131,7 +131,8 @@ pub fn cross_validate_beside(
     blocks: usize,
     known: &[CrossValidation],
 ) -> Result<CrossValidation, IdentError> {
-    let mut search = Search::new(recording, structure, PositionScale::of(recording))?;
+    let scale = PositionScale::of(recording);
+    let mut search = Search::new(recording, structure, scale)?;
     let rows = search.regressors.count();
     if !(2..=50).contains(&blocks) || blocks > most(rows) {
         return Err(IdentError::BlockCount { blocks, rows, most: most(rows) });
@@ -146,14 +147,9 @@ pub fn cross_validate_beside(
     let simpler = known.iter().filter(simpler);
     let best = match simpler.min_by(|a, b| a.relative_error.total_cmp(&b.relative_error)) {
         Some(simpler) => search.grown(&simpler.structure, simpler.shape, ENOUGH)?,
-        None => {
-            let (least, best) = Search::least(recording, structure, PositionScale::of(recording))?;
-            search = least;
-            best
-        }
+        None => search.least(scale)?,
     };
     if let Some(prompt) = known.iter().find(|score| structure.lag && score.structure == at_once) {
-        let scale = PositionScale::of(recording);
         let prompt = Search::new(recording, at_once, scale)?.solve(&prompt.shape)?;
         let [prompt, lagging] = [&prompt, &best.solution].map(|fit| fit.residual.norm_squared());
         if lagging >= prompt {

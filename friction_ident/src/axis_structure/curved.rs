@@ -30,14 +30,12 @@ const NOTICED: f64 = 0.05;
 /// not clearly there.
 pub(super) fn said(fit: &StructureFit, recording: &Conditioned) -> Option<Said> {
     let trials = POWERS.into_iter().filter_map(|power| begun(fit, recording, power));
-    let (mut search, start) =
-        trials.min_by(|a, b| a.1.sum.total_cmp(&b.1.sum)).map(|(s, t)| (s, t.best))?;
+    let sum = |best: &Best| best.solution.residual.norm_squared();
+    let (mut search, start) = trials.min_by(|(_, a), (_, b)| sum(a).total_cmp(&sum(b)))?;
     let best = search.from(start.shape, &[]).unwrap_or(start);
     let column = search.regressors.of_power()?;
     let straight = fit.residual_rms.powi(2) * fit.samples as f64;
-    if best.solution.residual.norm_squared() > (1.0 - NOTICED) * straight
-        || !is_there(&mut search, &best, column)
-    {
+    if sum(&best) > (1.0 - NOTICED) * straight || !is_there(&mut search, &best, column) {
         return None;
     }
     let terms = ShapeTerm::of(&fit.structure);
@@ -48,17 +46,12 @@ pub(super) fn said(fit: &StructureFit, recording: &Conditioned) -> Option<Said> 
     Some(Said { structure: fit.structure, values: ids.zip(values).collect() })
 }
 
-/// Where a search begins.
-struct Trial {
-    best: Best,
-    sum: f64,
-}
-
+/// A search beside a power of the speed, and where it begins.
 fn begun<'a>(
     fit: &StructureFit,
     recording: &'a Conditioned,
     power: f64,
-) -> Option<(Search<'a>, Trial)> {
+) -> Option<(Search<'a>, Best)> {
     let (structure, scale) = (fit.structure, fit.position_scale);
     let mut search = Search::with_power(recording, structure, scale, Some(power)).ok()?;
     let dip = ShapeTerm::StribeckVelocity;
@@ -71,8 +64,7 @@ fn begun<'a>(
         false => fit.shape,
     };
     let solution = search.solve(&shape).ok()?;
-    let sum = solution.residual.norm_squared();
-    Some((search, Trial { best: Best { shape, solution }, sum }))
+    Some((search, Best { shape, solution }))
 }
 
 /// Whether the linear parameter of that column is clear of zero.
@@ -96,31 +88,18 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_distr::StandardNormal;
 
+    use super::super::tests::three_tones;
     use super::super::{AxisUnits, StructureFit, fit_structure};
-    use crate::conditioning::{Conditioning, Signals, condition};
     use crate::estimate::Estimate;
 
     /// An axis whose viscous friction is 2 |v|^power, behind Coulomb friction of 1.5, fitted by a
     /// structure and beside what else could be.
     fn found(structure: &str, power: f64, seed: u64) -> StructureFit {
         let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
-        let (mut position, mut force) = (Vec::new(), Vec::new());
-        for k in 0..30_000 {
-            let t = 1e-3 * f64::from(k);
-            let [mut q, mut v, mut a] = [0.0; 3];
-            for (size, w) in [(0.8, 1.1), (0.5, 2.3), (0.2, 3.7)] {
-                let (sin, cos) = f64::sin_cos(w * t);
-                q += size * sin;
-                v += size * w * cos;
-                a -= size * w * w * sin;
-            }
-            position.push(q);
+        let recording = three_tones(30_000, |_, v, a| {
             let friction = (1.5 + 2.0 * v.abs().powf(power)).copysign(v);
-            force.push(0.3 * a + friction + 0.05 * rng.sample::<f64, _>(StandardNormal));
-        }
-        let signals =
-            Signals { time_step: 1e-3, position: Some(&position), velocity: None, force: &force };
-        let recording = condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap();
+            0.3 * a + friction + 0.05 * rng.sample::<f64, _>(StandardNormal)
+        });
         let structure = structure.parse().unwrap();
         let mut fit = fit_structure(&recording, structure, &AxisUnits::ROTARY).unwrap();
         fit.heed(&recording, &[]);

@@ -185,7 +185,8 @@ pub fn fit_structure(
     units: &AxisUnits,
 ) -> Result<StructureFit, IdentError> {
     let scale = PositionScale::of(recording);
-    let (search, best) = Search::least(recording, structure, scale)?;
+    let mut search = Search::new(recording, structure, scale)?;
+    let best = search.least(scale)?;
     fitted(search, best, scale, units)
 }
 

@@ -7,7 +7,6 @@ use super::AxisStructure;
 use super::search::{Best, EXACT, Search};
 use super::shape::{PositionScale, Shape, ShapeTerm};
 use crate::IdentError;
-use crate::conditioning::Conditioned;
 
 /// Change of the logarithm of `f_s` over `f_c` up to which a lag is that of the fit, how much more of
 /// it is enough where the fit need not be exact (a multiple of the root of the share that is enough),
@@ -18,36 +17,31 @@ const ROUNDS: usize = 8;
 /// The same change beyond which a fit is none.
 const SETTLED: f64 = 0.05;
 
-impl<'a> Search<'a> {
-    /// A search with its best fit without a starting point. Where the lag of that does not settle, it
-    /// may from where the dip follows at once, or from the fit whose directions share their levels.
+impl Search<'_> {
+    /// The best fit without a starting point. Where the lag of that does not settle, it may from where
+    /// the dip follows at once, or from the fit whose directions share their levels.
     ///
     /// # Errors
     /// Those of the fit.
-    pub fn least(
-        recording: &'a Conditioned,
-        structure: AxisStructure,
-        scale: PositionScale,
-    ) -> Result<(Self, Best), IdentError> {
-        let mut search = Self::new(recording, structure, scale)?;
-        let best = search.whole()?;
-        if search.settled(&best).is_ok() {
-            return Ok((search, best));
+    pub fn least(&mut self, scale: PositionScale) -> Result<Best, IdentError> {
+        let best = self.whole()?;
+        if self.settled(&best).is_ok() {
+            return Ok(best);
         }
-        let at_once = AxisStructure { lag: false, ..structure };
-        let shared = AxisStructure { asymmetric: false, ..structure };
-        for simpler in [at_once, shared].into_iter().filter(|simpler| *simpler != structure) {
-            let start = Self::new(recording, simpler, scale).and_then(|mut other| other.whole());
-            let from = start.and_then(|start| search.grown(&simpler, start.shape, EXACT));
-            if let Some(found) = from.ok().filter(|found| search.settled(found).is_ok()) {
-                return Ok((search, found));
+        let own = self.structure;
+        let at_once = AxisStructure { lag: false, ..own };
+        let shared = AxisStructure { asymmetric: false, ..own };
+        for simpler in [at_once, shared].into_iter().filter(|simpler| *simpler != own) {
+            let other = Search::new(self.regressors.recording, simpler, scale);
+            let start = other.and_then(|mut other| other.whole());
+            let from = start.and_then(|start| self.grown(&simpler, start.shape, EXACT));
+            if let Some(found) = from.ok().filter(|found| self.settled(found).is_ok()) {
+                return Ok(found);
             }
         }
-        Ok((search, best))
+        Ok(best)
     }
-}
 
-impl Search<'_> {
     /// The best fit from a starting point, with some nonlinear parameters kept at it, done when the sum
     /// of squares does not fall by more than `enough` of itself.
     ///

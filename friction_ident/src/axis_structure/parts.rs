@@ -98,33 +98,20 @@ impl StructureFit {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::three_tones;
     use super::super::{AxisStructure, AxisUnits, fit_structure};
     use super::*;
-    use crate::conditioning::{Conditioning, Signals, condition};
     use rand::{RngExt, SeedableRng};
     use rand_distr::StandardNormal;
 
     /// What is said of an axis of which the inertia is another in the second half.
     fn said(seed: u64, inertias: [f64; 2]) -> Option<FitDoubt> {
         let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
-        let (mut position, mut force) = (Vec::new(), Vec::new());
-        for k in 0..40_000 {
-            let t = 1e-3 * f64::from(k);
-            let [mut q, mut v, mut a] = [0.0; 3];
-            for (size, w) in [(0.8, 1.1), (0.5, 2.3), (0.2, 3.7)] {
-                let (sin, cos) = f64::sin_cos(w * t);
-                q += size * sin;
-                v += size * w * cos;
-                a -= size * w * w * sin;
-            }
+        let recording = three_tones(40_000, |k, v, a| {
             let inertia = inertias[usize::from(k >= 20_000)];
-            position.push(q);
             let noise = 0.02 * rng.sample::<f64, _>(StandardNormal);
-            force.push(inertia * a + 0.2 * v + 0.5 * v.signum() + noise);
-        }
-        let signals =
-            Signals { time_step: 1e-3, position: Some(&position), velocity: None, force: &force };
-        let recording = condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap();
+            inertia * a + 0.2 * v + 0.5 * v.signum() + noise
+        });
         let fit = fit_structure(&recording, AxisStructure::SYMMETRIC, &AxisUnits::ROTARY).unwrap();
         fit.parts(&recording)
     }

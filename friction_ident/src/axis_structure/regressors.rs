@@ -36,7 +36,7 @@ fn too_few(needed: usize, found: usize) -> IdentError {
 
 /// Regressors of one structure along one recording.
 pub(super) struct Regressors<'a> {
-    recording: &'a Conditioned,
+    pub recording: &'a Conditioned,
     structure: AxisStructure,
     /// Exponent of a further viscous friction that goes with a power of the velocity.
     power: Option<f64>,

@@ -34,9 +34,8 @@ impl Choice {
 
 impl StructureFit {
     /// Widens each interval to what `rivals` say of the parameter when they are fitted to the same
-    /// recording, and to what its sliding alone and friction that is
-    /// no straight line say: each counts as unsure as the chosen one is.
-    /// Rivals that cannot be fitted say nothing.
+    /// recording, to what its sliding alone says, and to what a fit says that lets viscous friction
+    /// bend: each counts as unsure as the chosen one is. Rivals that cannot be fitted say nothing.
     pub fn heed(&mut self, recording: &Conditioned, rivals: &[CrossValidation]) {
         let (own, scale) = (self.structure, self.position_scale);
         let rivals = rivals.iter().filter_map(|rival| Said::of(recording, rival, scale));
@@ -99,9 +98,9 @@ impl StructureFit {
 #[cfg(test)]
 mod tests {
     use super::super::naming::AxisUnits;
+    use super::super::tests::three_tones;
     use super::super::{AxisStructure, PositionScale, cross_validate, fit_structure};
     use super::*;
-    use crate::conditioning::{Conditioning, Signals, condition};
     use crate::parameter_id::{ParameterId, Side};
     use rand::{RngExt, SeedableRng};
     use rand_distr::StandardNormal;
@@ -111,23 +110,10 @@ mod tests {
     /// An axis with a constant force, in steps of the encoder, and noise.
     fn axis() -> Conditioned {
         let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(5);
-        let mut noise = || rng.sample::<f64, _>(StandardNormal);
-        let (mut position, mut force) = (Vec::new(), Vec::new());
-        for k in 0..20_000 {
-            let t = 1e-3 * f64::from(k);
-            let [mut q, mut v, mut a] = [0.0; 3];
-            for (size, w) in [(0.8, 1.1), (0.5, 2.3), (0.2, 3.7)] {
-                let (sin, cos) = f64::sin_cos(w * t);
-                q += size * sin;
-                v += size * w * cos;
-                a -= size * w * w * sin;
-            }
-            position.push(q);
-            force.push(0.3 * a + 0.2 * v + 0.5 * v.signum() + OFFSET + 0.05 * noise());
-        }
-        let signals =
-            Signals { time_step: 1e-3, position: Some(&position), velocity: None, force: &force };
-        condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap()
+        three_tones(20_000, |_, v, a| {
+            let noise = rng.sample::<f64, _>(StandardNormal);
+            0.3 * a + 0.2 * v + 0.5 * v.signum() + OFFSET + 0.05 * noise
+        })
     }
 
     #[test]

@@ -41,6 +41,30 @@ fn axis(friction: impl Fn(f64) -> f64, delay: f64, noise: f64) -> Conditioned {
     condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap()
 }
 
+/// A rotary axis that moves in three tones at 1 kHz under the force of a sample, a velocity and an
+/// acceleration.
+pub(super) fn three_tones(
+    samples: u32,
+    mut force_at: impl FnMut(u32, f64, f64) -> f64,
+) -> Conditioned {
+    let (mut position, mut force) = (Vec::new(), Vec::new());
+    for k in 0..samples {
+        let t = 1e-3 * f64::from(k);
+        let [mut q, mut v, mut a] = [0.0; 3];
+        for (size, w) in [(0.8, 1.1), (0.5, 2.3), (0.2, 3.7)] {
+            let (sin, cos) = f64::sin_cos(w * t);
+            q += size * sin;
+            v += size * w * cos;
+            a -= size * w * w * sin;
+        }
+        position.push(q);
+        force.push(force_at(k, v, a));
+    }
+    let signals =
+        Signals { time_step: 1e-3, position: Some(&position), velocity: None, force: &force };
+    condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap()
+}
+
 fn stribeck(v: f64) -> f64 {
     let near = (-(v / V_S).powi(2)).exp();
     if v > 0.0 { 6.0 + 2.0 * near + 9.0 * v } else { -(7.0 + 3.0 * near) + 12.0 * v }
