@@ -17,6 +17,11 @@ from runner_session import Session, goal, plain
 
 NODES = ("rig_driver", "friction_observer", "controller")
 
+# A machine that is busy may keep a command or a measurement back for half a second, and the motor
+# stands then, as it should. What is wrong in the nodes shows each time.
+TRIES = 3
+LATE = ("command lost", "not heard for half a second")
+
 
 def commission(**options):
     return goal("commission", repetitions=0, models=(), **options)
@@ -50,25 +55,50 @@ def simulated(session, runs):
     return report
 
 
-def over_nodes(session, processes, runs):
-    report = {}
-    heard = []
-    session.node.create_subscription(RigMeasurement, "/rig_measurement", heard.append, SIGNAL)
-    for name in NODES:
-        processes.start(name)
-    assert session.until(lambda: heard, 30.0), "the rig is not heard"
+def moving_commission(session, heard, feedback):
+    """A commission over the nodes in its ramps, or None where a command was late before."""
 
     def moves():
         return abs(heard[-1].voltage_applied) > 0.1
 
-    feedback = []
     handle = session.send(commission(rig="nodes"), feedback)
+    ended = handle.get_result_async()
     ramps = lambda: feedback and "ramps" in feedback[-1].stage and moves()
-    assert session.until(ramps, 90.0), f"it does not move: {[f.stage for f in feedback[-3:]]}"
+    session.until(lambda: ramps() or ended.done(), 90.0)
+    said = ended.result().result.message if ended.done() else ""
+    if any(late in said for late in LATE):
+        print(f"late by half a second: {said}", flush=True)
+        return None
+    assert ramps(), f"it does not move: {[f.stage for f in feedback[-3:]]}, {said}"
+    return handle
+
+
+def over_nodes(session, folder):
+    for _ in range(TRIES):
+        with Processes(folder) as processes:
+            report = over_fresh_nodes(session, processes)
+        if report is not None:
+            return report
+    raise AssertionError(f"late by half a second in each of {TRIES} commissions")
+
+
+def over_fresh_nodes(session, processes):
+    report = {}
+    heard = []
+    listening = session.node.create_subscription(RigMeasurement, "/rig_measurement", heard.append, SIGNAL)
+    for name in NODES:
+        processes.start(name)
+    assert session.until(lambda: heard, 30.0), "the rig is not heard"
+
+    feedback = []
+    handle = moving_commission(session, heard, feedback)
+    if handle is None:
+        session.node.destroy_subscription(listening)
+        return None
     session.wait(handle.cancel_goal_async())
     report["cancelled"] = session.result(handle)
     report["stages"] = sorted({message.stage for message in feedback})
-    session.until(lambda: not moves(), 5.0)
+    session.until(lambda: abs(heard[-1].voltage_applied) <= 0.1, 5.0)
     report["volts"] = heard[-1].voltage_applied
     if "FRICTION_FULL" in os.environ or "COMMISSION_NODES" in os.environ:
         feedback = []
@@ -85,14 +115,13 @@ def main():
     runs = Path(runs)
     runs.mkdir(exist_ok=True)
     session = Session([program, "serve", "--quiet", "--runs", str(runs)])
-    with Processes(folder) as processes:
-        try:
-            report = {"simulated": simulated(session, runs), "nodes": over_nodes(session, processes, runs)}
-        except BaseException:
-            session.process.kill()
-            raise
-        session.process.send_signal(signal.SIGINT)
-        report["exit_code"] = session.process.wait(timeout=60)
+    try:
+        report = {"simulated": simulated(session, runs), "nodes": over_nodes(session, folder)}
+    except BaseException:
+        session.process.kill()
+        raise
+    session.process.send_signal(signal.SIGINT)
+    report["exit_code"] = session.process.wait(timeout=60)
     Path(result).write_text(json.dumps(report), encoding="utf-8")
     sys.stdout.flush()
     os._exit(0)
