@@ -78,7 +78,7 @@ class Watched:
         self.began = time.time_ns()
 
     def take(self, data, info):
-        sequence, now = info["publication_sequence_number"], time.time_ns()
+        sequence = info["publication_sequence_number"]
         sec, nanosec = struct.unpack_from("<iI", data, 4)
         stamp = sec * 1_000_000_000 + nanosec
         if self.sequence is not None:
@@ -89,8 +89,9 @@ class Watched:
             self.longest_gap_ns = max(self.longest_gap_ns, stamp - self.last)
         self.first, self.last, self.sequence = self.first or stamp, stamp, sequence
         self.count += 1
-        # By the time of arrival: what comes late in one go leaves windows empty.
-        self.windows.add(now // WINDOW_NS)
+        # By the time of arrival here, not of reading: this process may have to wait for its turn. What
+        # comes late in one go leaves windows empty.
+        self.windows.add(info["received_timestamp"] // WINDOW_NS)
         self.delays.append(info["received_timestamp"] - info["source_timestamp"])
 
     def report(self):

@@ -55,8 +55,8 @@ impl Lag {
 
 impl Bristle {
     /// The deflection over its limit of Dahl's (1968) bristle, `z' = (v - |v| z) / displacement`,
-    /// solved exactly along the [`legs`] between two samples, its mean rate, and their derivatives
-    /// with respect to the displacement. It keeps its deflection while the axis stands.
+    /// solved exactly along the [`legs`] between two samples, its mean rate around each, and their
+    /// derivatives with respect to the displacement. It keeps its deflection while the axis stands.
     pub fn dahl(recording: &Conditioned, displacement: f64, damping: bool) -> Self {
         let mut made = Self::default();
         let step = |[z, slope, left, left_slope]: [f64; 4], v: f64, dt: f64| {
@@ -82,6 +82,7 @@ impl Bristle {
                 made.rate_slope.push(moved[0] + displacement * moved[1]);
             }
         });
+        around(recording, &mut [&mut made.rate, &mut made.rate_slope]);
         made
     }
 
@@ -131,7 +132,24 @@ impl Bristle {
                 lag.rate_by_velocity.push(displacement * moved(3));
             }
         });
+        let Lag { rate_by_ratio, rate_by_velocity, .. } = &mut lag;
+        let Self { rate, rate_slope, .. } = &mut made;
+        around(recording, &mut [rate, rate_slope, rate_by_ratio, rate_by_velocity]);
         (made, lag)
+    }
+}
+
+/// Makes of rates over the way to each sample those over both ways around it: the first are those of
+/// half a sample before, and a delay and the damping took up the half sample that the force of the
+/// damping came late by.
+fn around(recording: &Conditioned, rates: &mut [&mut Vec<f64>]) {
+    for rate in rates {
+        for piece in &recording.pieces {
+            let own = rate.get_mut(piece.kept.clone()).unwrap_or_default();
+            for k in 1..own.len() {
+                own[k - 1] = 0.5 * (own[k - 1] + own[k]);
+            }
+        }
     }
 }
 

@@ -541,24 +541,29 @@ fn the_friction_of_lugre_is_found() {
 }
 
 /// At 125 Hz the axis goes half the bristle's reach within a sample, and turns between two. A bristle
-/// that followed each sample's own velocity was half a sample early.
+/// that followed each sample's own velocity was half a sample early; one whose rate is that of the
+/// way to each sample is damped half a sample late, and a delay and the damping take that up.
 #[test]
 fn a_bristle_is_found_where_a_sample_is_half_its_reach() {
+    const PERIOD: f64 = 8e-3;
     let recording = sampled_lugre(9.0, 8);
-    let fit = fit_structure(&recording, structure("symmetric+damping+lag"), &AxisUnits::LINEAR);
-    let fit = fit.unwrap();
-    let near = |name: &'static str, truth: f64, share: f64| {
-        let found = fit.estimates.get(name).unwrap().value;
-        assert!((found / truth - 1.0).abs() < share, "{name}: {found}");
-    };
-    near("inertia", INERTIA, 0.02);
-    near("f_c", F_C, 0.02);
-    near("f_s", 9.0, 0.07);
-    near("v_s", V_S, 0.03);
-    // A ratio of the levels that only followed the fit ended beside the least squares, with 0.734 %.
-    assert!(fit.relative_error < 0.71, "{}", fit.relative_error);
-    near("presliding", F_C / SIGMA0, 0.05);
-    near("sigma1", SIGMA1, 0.08);
+    for name in ["symmetric+damping+lag", "symmetric+damping+lag+delay"] {
+        let fit = fit_structure(&recording, structure(name), &AxisUnits::LINEAR).unwrap();
+        let near = |name: &'static str, truth: f64, share: f64| {
+            let found = fit.estimates.get(name).unwrap().value;
+            assert!((found / truth - 1.0).abs() < share, "{name}: {found}");
+        };
+        near("inertia", INERTIA, 0.02);
+        near("f_c", F_C, 0.02);
+        near("f_s", 9.0, 0.08);
+        near("v_s", V_S, 0.06);
+        // It was 0.70 %; a ratio of the levels that only followed the fit ended at 0.73 %.
+        assert!(fit.relative_error < 0.35, "{}", fit.relative_error);
+        near("presliding", F_C / SIGMA0, 0.05);
+        near("sigma1", SIGMA1, 0.02);
+        let delay = fit.estimates.value("delay").unwrap_or(0.0);
+        assert!(delay.abs() < 0.1 * PERIOD, "{delay}");
+    }
 }
 
 /// An axis that begins at rest, its bristle deflected by `begin` of its limit.
