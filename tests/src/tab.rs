@@ -146,9 +146,23 @@ impl Tab {
     /// # Panics
     /// When it does not become so.
     pub fn click(&mut self, selector: &str) {
-        let at = self.middle(selector);
-        self.mouse("mousePressed", at);
-        self.mouse("mouseReleased", at);
+        // What comes late may move the element between the look and the click: it is asked whether it
+        // was clicked. A page that went elsewhere by that knows nothing of it.
+        let listen = format!(
+            "window.clickReached = false; document.querySelector({selector:?})?.addEventListener(
+             'click', () => {{ window.clickReached = true; }}, {{ once: true, capture: true }})"
+        );
+        let began = Instant::now();
+        loop {
+            let at = self.middle(selector);
+            self.evaluate(&listen);
+            self.mouse("mousePressed", at);
+            self.mouse("mouseReleased", at);
+            if self.evaluate("window.clickReached !== false") == true {
+                return;
+            }
+            assert!(began.elapsed() < PATIENCE, "{selector} is not reached by a click");
+        }
     }
 
     /// Presses the mouse on an element and holds it, as [`click`](Self::click) does.

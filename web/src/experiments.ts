@@ -23,6 +23,7 @@ interface Experiment {
 
 export class Experiments {
   private all: Experiment[] = [];
+  private listed = "";
   private namespace = "";
   mayChange = true;
 
@@ -56,6 +57,10 @@ export class Experiments {
   private async list(name: string): Promise<void> {
     try {
       const answer = await this.client().call(name, {}, 15000);
+      // Asked for again when the network changes: what was typed stays where the list is the same.
+      const listed = JSON.stringify(answer["experiments"]);
+      if (listed === this.listed) return;
+      this.listed = listed;
       this.all = answer["experiments"] as Experiment[];
       const select = by<HTMLSelectElement>("experiment");
       const before = select.value;

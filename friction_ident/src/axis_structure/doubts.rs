@@ -1,7 +1,7 @@
 //! What the fitted numbers do not say, beyond their standard errors.
 
 use super::AxisStructure;
-use crate::estimate::{Doubt, Estimates, Verdict};
+use crate::estimate::{Doubt, Estimate, Estimates, Verdict};
 use crate::parameter_id::{ParameterId, Side};
 
 /// Standard errors that an effect must be clear of zero by.
@@ -66,6 +66,7 @@ pub(super) fn judge(structure: &AxisStructure, estimates: &mut Estimates) {
             estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
         }
     }
+    backwards(estimates);
     below(structure, estimates);
     if structure.harmonic {
         let part = |name: &'static str| {
@@ -78,6 +79,19 @@ pub(super) fn judge(structure: &AxisStructure, estimates: &mut Estimates) {
             let remedy = "slow motion over many periods of the axis";
             doubt(estimates, "period", Doubt::BelowNoise { effect, standard_error }, remedy);
         }
+    }
+}
+
+/// A bristle whose damping is clearly below zero would drive the axis: what happens around a reversal
+/// is then not what one bristle does, and how far it bends is not known.
+fn backwards(estimates: &mut Estimates) {
+    let drives = |damping: &Estimate| {
+        damping.value < -CLEAR * damping.standard_error.unwrap_or(f64::INFINITY)
+    };
+    if estimates.get("sigma1").is_some_and(drives) {
+        let why = "the damping of the bristle comes out below zero: what happens around a reversal is not what one bristle does";
+        let remedy = "reversals sampled faster, or a force that is recorded nearer to the motor";
+        estimates.distrust_but(|id| id.name != "presliding", why, remedy);
     }
 }
 
@@ -121,7 +135,7 @@ fn doubt(estimates: &mut Estimates, name: &'static str, doubt: Doubt, remedy: &'
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::{Estimate, Interval, IntervalMethod};
+    use crate::estimate::{Interval, IntervalMethod};
 
     /// A level at rest of 0.358 was called identified, below a kinetic level of 0.405.
     #[test]
@@ -149,5 +163,21 @@ mod tests {
         assert_eq!(doubt, Doubt::NoDip { rest: "f_s".into(), kinetic: "f_c".into() });
         assert!(doubt.to_string().starts_with("f_s lies below f_c"), "{doubt}");
         assert_eq!(verdict(0.45), Verdict::Identified);
+    }
+
+    #[test]
+    fn a_bristle_that_drives_the_axis_leaves_no_displacement() {
+        let known = |damping: f64| {
+            let one = |name: &'static str, value: f64| Estimate {
+                standard_error: Some(0.1),
+                verdict: Verdict::Identified,
+                ..Estimate::given(name, "", value, "")
+            };
+            let parameters = vec![one("sigma1", damping), one("presliding", 2.0)];
+            let mut estimates = Estimates { parameters, ..Estimates::default() };
+            judge(&AxisStructure::SYMMETRIC, &mut estimates);
+            estimates.get("presliding").unwrap().is_identified()
+        };
+        assert_eq!([-0.44, -0.15, 0.3].map(known), [false, true, true]);
     }
 }

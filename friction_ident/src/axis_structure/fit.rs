@@ -208,7 +208,7 @@ pub fn fit_validated(
 }
 
 /// The fit at the least sum of squares, judged.
-fn fitted(
+pub(super) fn fitted(
     mut search: Search,
     best: Best,
     scale: PositionScale,

@@ -33,6 +33,7 @@ mod choice;
 pub mod closed_loop;
 mod cross_validation;
 mod curved;
+mod damped;
 mod dip;
 mod doubts;
 mod elsewhere;

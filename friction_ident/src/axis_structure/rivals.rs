@@ -35,7 +35,8 @@ impl Choice {
 impl StructureFit {
     /// Widens each interval to what `rivals` say of the parameter when they are fitted to the same
     /// recording, to what its sliding alone says, and to what a fit says that lets viscous friction
-    /// bend: each counts as unsure as the chosen one is. Rivals that cannot be fitted say nothing.
+    /// bend: each counts as unsure as the chosen one is. Rivals that cannot be fitted say nothing. The
+    /// interval of a bristle's displacement reaches as far as it does beside a damping.
     pub fn heed(&mut self, recording: &Conditioned, rivals: &[CrossValidation]) {
         let (own, scale) = (self.structure, self.position_scale);
         let rivals = rivals.iter().filter_map(|rival| Said::of(recording, rival, scale));
@@ -49,6 +50,10 @@ impl StructureFit {
             all.push(sliding);
         }
         self.widen(&all);
+        let beside = self.displacement_beside_damping(recording);
+        if let Some((own, beside)) = self.estimates.get_mut("presliding").zip(beside) {
+            reach(own, beside.low, beside.high);
+        }
         let listed = |id: ParameterId| self.curved.iter().any(|(own, _)| *own == id);
         let straight = |id: ParameterId| STRAIGHT.contains(&id.name) && listed(id);
         self.estimates.distrust_but(|id| !straight(id), CURVED, SPEEDS);
@@ -74,24 +79,29 @@ impl StructureFit {
         for said in all {
             for (k, estimate) in self.estimates.parameters.iter_mut().enumerate() {
                 let Some(value) = said.value(estimate.id, own) else { continue };
-                let Some(interval) = estimate.interval else { continue };
                 // Around its value the rival is no surer than the chosen one is around its own.
                 let (below, above) = (estimate.value - own_low[k], own_high[k] - estimate.value);
                 let (low, high) = (value - below, value + above);
-                if interval.low <= low && high <= interval.high {
-                    continue;
-                }
-                let (low, high) = (interval.low.min(low), interval.high.max(high));
-                estimate.interval = Some(Interval { low, high, method: IntervalMethod::Rivals });
-                let signed = super::doubts::SIGNED.contains(&estimate.id.name);
-                let reach = (high - estimate.value).max(estimate.value - low);
-                if !signed && reach > WIDEST * estimate.value.abs() && estimate.is_identified() {
-                    let remedy = "a recording that tells the structures apart: more speeds, more reversals, more of the travel";
-                    let doubt = Doubt::RivalsDisagree { low, high };
-                    estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
-                }
+                reach(estimate, low, high);
             }
         }
+    }
+}
+
+/// Widens an interval to what another fit says. One that has none, or is open there, stays as it is.
+fn reach(estimate: &mut Estimate, low: f64, high: f64) {
+    let Some(interval) = estimate.interval else { return };
+    if interval.low <= low && high <= interval.high {
+        return;
+    }
+    let (low, high) = (interval.low.min(low), interval.high.max(high));
+    estimate.interval = Some(Interval { low, high, method: IntervalMethod::Rivals });
+    let signed = super::doubts::SIGNED.contains(&estimate.id.name);
+    let farthest = (high - estimate.value).max(estimate.value - low);
+    if !signed && farthest > WIDEST * estimate.value.abs() && estimate.is_identified() {
+        let remedy = "a recording that tells the structures apart: more speeds, more reversals, more of the travel";
+        let doubt = Doubt::RivalsDisagree { low, high };
+        estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
     }
 }
 

@@ -436,33 +436,40 @@ fn a_wave_of_one_half_alone_is_told() {
     assert_eq!(without.other_waves(), None);
 }
 
-/// A bristle that damps itself, as LuGre's does: without the part the bristle is too stiff or too
-/// soft, with it all are found.
-#[test]
-fn the_damping_of_a_bristle_is_found() {
-    const REACH: f64 = 2e-3;
-    const SIGMA1: f64 = 120.0;
+/// Displacement and damping of [`damped_bristle`].
+pub(super) const DAMPED: [f64; 2] = [2e-3, 120.0];
+
+/// An axis with a bristle that damps itself, as LuGre's does.
+pub(super) fn damped_bristle() -> Conditioned {
+    let [reach, sigma1] = DAMPED;
     let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(3);
     let dt = 1e-3;
     let (mut place, mut force, mut z) = (vec![], vec![], 0.0f64);
     for k in 0..20_000 {
         let t = f64::from(k) * dt;
         let v = velocity(t + 0.5 * dt);
-        let limit = REACH * v.signum();
-        let after = limit + (z - limit) * (-v.abs() * dt / REACH).exp();
+        let limit = reach * v.signum();
+        let after = limit + (z - limit) * (-v.abs() * dt / reach).exp();
         let (rate, middle) = ((after - z) / dt, 0.5 * (after + z));
         z = after;
         place.push(position(t + 0.5 * dt));
         force.push(
             INERTIA * acceleration(t + 0.5 * dt)
-                + 5.0 * middle / REACH
-                + SIGMA1 * rate
+                + 5.0 * middle / reach
+                + sigma1 * rate
                 + 8.0 * v
                 + 0.05 * rng.sample::<f64, _>(StandardNormal),
         );
     }
     let signals = Signals { time_step: dt, position: Some(&place), velocity: None, force: &force };
-    let recording = condition(&signals, &Conditioning::for_time_step(dt)).unwrap();
+    condition(&signals, &Conditioning::for_time_step(dt)).unwrap()
+}
+
+/// Without its damping the bristle is too stiff or too soft, with it all are found.
+#[test]
+fn the_damping_of_a_bristle_is_found() {
+    let [reach, sigma1] = DAMPED;
+    let recording = damped_bristle();
     let of = |name| fit_structure(&recording, structure(name), &AxisUnits::LINEAR).unwrap();
     let (with, without) = (of("symmetric+damping"), of("symmetric+presliding"));
     assert!(with.relative_error < 0.7 * without.relative_error, "{with:?} {without:?}");
@@ -470,8 +477,8 @@ fn the_damping_of_a_bristle_is_found() {
         let found = with.estimates.get(name).unwrap().value;
         assert!((found / truth - 1.0).abs() < share, "{name}: {found}");
     };
-    near("sigma1", SIGMA1, 0.1);
-    near("presliding", REACH, 0.05);
+    near("sigma1", sigma1, 0.02);
+    near("presliding", reach, 0.02);
     near("f_c", 5.0, 0.02);
 }
 
