@@ -5,11 +5,12 @@
 //! softer one that is not, and the displacement is only known as far as the damping is.
 
 use super::AxisStructure;
-use super::fit::{StructureFit, fitted};
+use super::fit::{StructureFit, errors};
 use super::naming::AxisUnits;
 use super::search::Search;
+use super::shape::ShapeTerm;
 use crate::conditioning::Conditioned;
-use crate::estimate::Interval;
+use crate::estimate::{Interval, IntervalMethod};
 
 impl StructureFit {
     /// The interval of the displacement beside a damping; none where the structure has no bristle, or
@@ -19,11 +20,16 @@ impl StructureFit {
             return None;
         }
         let structure = AxisStructure { damping: true, ..self.structure };
-        let scale = self.position_scale;
-        let mut search = Search::new(recording, structure, scale).ok()?;
-        let best = search.from(self.shape, &[]).ok()?;
-        let beside = fitted(search, best, scale, &AxisUnits::LINEAR).ok()?;
-        beside.estimates.get("presliding")?.interval
+        let mut search = Search::new(recording, structure, self.position_scale).ok()?;
+        // The period of a wave and the breadth of a dip hardly hang on what happens within a reversal.
+        let kept = [ShapeTerm::Period, ShapeTerm::StribeckVelocity];
+        let best = search.from(self.shape, &kept).ok()?;
+        let beside = errors(&mut search, &best, &AxisUnits::LINEAR).ok()?;
+        // Its logarithm is what is searched, and what the sum of squares is nearly straight in.
+        let beside = beside.estimates.get("presliding")?;
+        let share = (beside.interval?.high - beside.value) / beside.value;
+        let [low, high] = [-share, share].map(|by| beside.value * by.exp());
+        Some(Interval { low, high, method: IntervalMethod::Rivals })
     }
 }
 

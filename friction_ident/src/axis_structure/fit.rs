@@ -207,8 +207,34 @@ pub fn fit_validated(
     fitted(search, best, scale, units)
 }
 
+/// The parameters with their errors, as far as the problem is straight.
+pub(super) struct Errors {
+    pub estimates: Estimates,
+    /// How far the sum of squares may rise within the interval of each parameter.
+    rises: Vec<f64>,
+    /// Share of the residual's samples that count as independent.
+    share: f64,
+}
+
+/// What the least sum of squares and the slopes there say of the parameters.
+pub(super) fn errors(
+    search: &mut Search,
+    best: &Best,
+    units: &AxisUnits,
+) -> Result<Errors, IdentError> {
+    let structure = search.structure;
+    let names = unknowns(&structure, units);
+    let share = effective_share(best.solution.residual.as_slice());
+    let minimum = search.linearise(best, &ShapeTerm::of(&structure))?;
+    let mut estimates = Estimates::linearised(&minimum, &names, share);
+    let motion = search.regressors.motion(&best.shape);
+    let course = Course { points: 0, pieces: &search.regressors.rows.pieces(), motion: &motion };
+    let rises = robust_errors(&minimum, &course, &mut estimates);
+    Ok(Errors { estimates, rises, share })
+}
+
 /// The fit at the least sum of squares, judged.
-pub(super) fn fitted(
+fn fitted(
     mut search: Search,
     best: Best,
     scale: PositionScale,
@@ -218,14 +244,8 @@ pub(super) fn fitted(
     let structure = search.structure;
     let Best { solution, .. } = &best;
     let terms = ShapeTerm::of(&structure);
-    let names = unknowns(&structure, units);
     let samples = solution.residual.len();
-    let share = effective_share(solution.residual.as_slice());
-    let minimum = search.linearise(&best, &terms)?;
-    let mut estimates = Estimates::linearised(&minimum, &names, share);
-    let motion = search.regressors.motion(&best.shape);
-    let course = Course { points: 0, pieces: &search.regressors.rows.pieces(), motion: &motion };
-    let rises = robust_errors(&minimum, &course, &mut estimates);
+    let Errors { mut estimates, rises, share } = errors(&mut search, &best, units)?;
     let whole = Whole::of(&mut search, &best)?;
     profile::intervals(&mut search, &best, &whole, &rises, &mut estimates);
     doubts::judge(&structure, &mut estimates);
