@@ -6,8 +6,9 @@
 //! the cross-validation and not by the fit. Several at once, because the part that
 //! helps most alone need not belong to those that help most together. It ends where no further part
 //! is worth its while. Where the best has friction that rises over the first speeds, which is seldom
-//! true, the search goes on from the best of the others too. Where a dip and a bristle are there, a
-//! dip that lags is tried when nothing else helps: it is no further parameter. A force that repeats
+//! true, the search goes on from the best of the others too. When nothing else helps, a bristle alone
+//! is tried with a dip and a damping at once, and where a dip and a bristle are there, a dip that
+//! lags: it is no further parameter. A force that repeats
 //! along the axis comes last: its period is dear to search, and before the rest of the model is right
 //! it takes up what belongs elsewhere.
 
@@ -81,8 +82,28 @@ pub fn next(
     if !smooth.is_empty() {
         return smooth;
     }
+    let together = together(&best, |near| {
+        possible(near) && !refused.contains(near) && error_of(near).is_none()
+    });
+    if !together.is_empty() {
+        return together;
+    }
     let lagging = lagging(scores, refused);
     if lagging.is_empty() { richer(1, true) } else { lagging }
+}
+
+/// Of the best structures that have a bristle alone, the same with a dip and a damping: either may be
+/// worth nothing without the other, because a bristle that is too soft stands for both.
+fn together(
+    best: &[&CrossValidation],
+    wanted: impl Fn(&AxisStructure) -> bool,
+) -> Vec<AxisStructure> {
+    let alone = |structure: &AxisStructure| {
+        structure.presliding && !structure.stribeck && !structure.damping && !structure.harmonic
+    };
+    let first = best.iter().map(|score| score.structure).take(BEAM).find(alone);
+    let both = first.map(|found| AxisStructure { stribeck: true, damping: true, ..found });
+    both.into_iter().filter(wanted).collect()
 }
 
 /// Of the best structures that have a dip and a bristle, of all and of those that are likely, the
@@ -177,6 +198,27 @@ mod tests {
         let scores = [score(first, 10.0), score(bristle, 5.0), score(of_place, 6.0)];
         let wanted = next(&scores, &[], |_| true);
         assert!(wanted.contains(&damped) && !wanted.contains(&damped_there), "{wanted:?}");
+    }
+
+    /// A bristle that is too soft stands for its damping and for a dip: neither was tried with the other.
+    #[test]
+    fn a_dip_and_a_damping_are_tried_together() {
+        let error = |structure: &AxisStructure| {
+            let gain = |has: bool, gain: f64| if has { gain } else { 0.0 };
+            let AxisStructure { presliding, stribeck, damping, .. } = *structure;
+            10.0 - gain(presliding, 5.0) - gain(presliding && stribeck && damping, 1.0)
+        };
+        let mut scores: Vec<CrossValidation> = Vec::new();
+        loop {
+            let wanted = next(&scores, &[], |structure| !structure.needs_position());
+            if wanted.is_empty() {
+                break;
+            }
+            scores.extend(wanted.iter().map(|structure| score(*structure, error(structure))));
+        }
+        let best = scores.iter().min_by(|a, b| a.relative_error.total_cmp(&b.relative_error));
+        let found = best.unwrap().structure;
+        assert!(found.stribeck && found.damping, "{found}");
     }
 
     /// When nothing else helps, before a wave is looked for; and it goes on from there only where the
