@@ -244,6 +244,40 @@ fn a_rig_without_a_tachometer_is_as_warm_as_its_encoder_says() {
     assert!(held > 30.0 && turning < 0.02 * held, "{held} {turning}");
 }
 
+/// Measurements that are lost on a busy machine's way from the device, most of them while the shaft
+/// turns back: the tachometer was averaged by samples, the encoder by time, and sensors that agree
+/// stopped the motor.
+#[test]
+fn sensors_that_agree_may_lose_measurements() {
+    let stopped_by = |gain: f64| {
+        let mut supervisor = SafetySupervisor::new(limits(), 1e-3).unwrap();
+        supervisor.request(Request::Configure).unwrap();
+        supervisor.request(Request::Activate).unwrap();
+        let speed = std::f64::consts::TAU / 0.05;
+        for cycle in 0..3000 {
+            let time = 1e-3 * cycle as f64;
+            let (sin, cos) = (speed * time).sin_cos();
+            if sin < 0.0 && cycle % 5 != 0 {
+                continue;
+            }
+            let seen = Measurement {
+                cycle,
+                time,
+                encoder_position: 6.0 / speed * (1.0 - cos),
+                tachometer_velocity: gain * 6.0 * sin + 1e-6 * cycle as f64,
+                torque: 1e-6 * cycle as f64,
+                ..Measurement::default()
+            };
+            supervisor.cycle(time, &seen);
+            supervisor.command(time, 0.5);
+            supervisor.output();
+        }
+        supervisor.latched().map(|report| report.fault)
+    };
+    assert_eq!(stopped_by(1.0), None);
+    assert_eq!(stopped_by(-1.0), Some(Fault::SensorsDisagree));
+}
+
 #[test]
 fn at_the_end_of_the_travel_only_the_way_back_is_free() {
     let mut bench = Bench::active(limits());

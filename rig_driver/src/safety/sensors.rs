@@ -116,9 +116,10 @@ struct Window {
     agreement: Option<Agreement>,
     length: u32,
     samples: u32,
-    /// Sum of the tachometer over the window by the trapezoidal rule [rad/s].
-    sum: f64,
+    /// Way by the tachometer over the window, by the trapezoidal rule \[rad\].
+    way: f64,
     last_tachometer: f64,
+    last_time: f64,
     start_time: f64,
     start_position: f64,
     encoder_velocity: Option<f64>,
@@ -132,8 +133,9 @@ impl Window {
             agreement,
             length: (window / period).round().max(1.0) as u32,
             samples: 0,
-            sum: 0.0,
+            way: 0.0,
             last_tachometer: 0.0,
+            last_time: 0.0,
             start_time: 0.0,
             start_position: 0.0,
             encoder_velocity: None,
@@ -143,9 +145,9 @@ impl Window {
 
     fn begin(&mut self, seen: &Measurement) {
         self.samples = 1;
-        self.sum = 0.0;
+        self.way = 0.0;
         (self.start_time, self.start_position) = (seen.time, seen.encoder_position);
-        self.last_tachometer = seen.tachometer_velocity;
+        (self.last_time, self.last_tachometer) = (seen.time, seen.tachometer_velocity);
     }
 
     fn add(&mut self, seen: &Measurement, broken: bool) -> Option<Finding> {
@@ -153,14 +155,16 @@ impl Window {
             self.begin(seen);
             return None;
         }
-        self.sum += 0.5 * (self.last_tachometer + seen.tachometer_velocity);
-        self.last_tachometer = seen.tachometer_velocity;
+        // By the rig's time: a cycle that was lost on the way counts for as long as it was.
+        let mean = 0.5 * (self.last_tachometer + seen.tachometer_velocity);
+        self.way += mean * (seen.time - self.last_time);
+        (self.last_time, self.last_tachometer) = (seen.time, seen.tachometer_velocity);
         if self.samples < self.length {
             self.samples += 1;
             return None;
         }
         let elapsed = seen.time - self.start_time;
-        let tachometer = self.sum / f64::from(self.samples);
+        let tachometer = self.way / elapsed;
         let encoder = (seen.encoder_position - self.start_position) / elapsed;
         self.begin(seen);
         if elapsed <= 0.0 {
