@@ -23,7 +23,7 @@ def without_controller(bench, how):
     told["state"] = ros.state(RIG) if ros.until(lambda: ros.state(RIG) == "inactive", 3) else ros.state(RIG)
     bench.start("controller")
     bench.commands.clear()
-    told["commands_again"] = ros.until(lambda: len(bench.commands) > 50, 10)
+    told["commands_again"] = ros.until(lambda: len(bench.commands) > 50, 60)
     back = time.time()
     bench.hear(0.4)
     told["voltage_in_fault"] = bench.highest(back)
