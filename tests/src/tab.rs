@@ -19,6 +19,8 @@ use tokio_tungstenite::tungstenite::{Message, client::IntoClientRequest};
 const PATIENCE: Duration = Duration::from_secs(300);
 /// How often the page is asked again.
 const AGAIN: Duration = Duration::from_millis(50);
+/// How long a click may take to reach its element.
+const LATE: Duration = Duration::from_secs(5);
 
 /// A tab. Dropped, its browser ends.
 pub struct Tab {
@@ -158,8 +160,13 @@ impl Tab {
             self.evaluate(&listen);
             self.mouse("mousePressed", at);
             self.mouse("mouseReleased", at);
-            if self.evaluate("window.clickReached !== false") == true {
-                return;
+            // A page at work may come to its clicks later.
+            let clicked = Instant::now();
+            while clicked.elapsed() < LATE {
+                if self.evaluate("window.clickReached !== false") == true {
+                    return;
+                }
+                thread::sleep(AGAIN);
             }
             assert!(began.elapsed() < PATIENCE, "{selector} is not reached by a click");
         }
@@ -209,7 +216,10 @@ impl Tab {
             if let Some(place) = found[0].as_f64().zip(found[1].as_f64()) {
                 return place;
             }
-            assert!(began.elapsed() < PATIENCE, "{selector} cannot be clicked");
+            if began.elapsed() > PATIENCE {
+                let text = self.evaluate("document.body.innerText");
+                panic!("{selector} cannot be clicked\n{}", text.as_str().unwrap_or_default());
+            }
             thread::sleep(AGAIN);
         }
     }
