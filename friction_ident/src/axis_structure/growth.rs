@@ -8,9 +8,8 @@
 //! is worth its while. Where the best has friction that rises over the first speeds, which is seldom
 //! true, the search goes on from the best of the others too. When nothing else helps, a bristle alone
 //! is tried with a dip and a damping at once, and where a dip and a bristle are there, a dip that
-//! lags: it is no further parameter. A force that repeats
-//! along the axis comes last: its period is dear to search, and before the rest of the model is right
-//! it takes up what belongs elsewhere.
+//! lags: it is no further parameter. A force that repeats along the axis comes last: its period is
+//! dear to search, and before the rest of the model is right it takes up what belongs elsewhere.
 
 use super::{AxisStructure, CrossValidation, FirstSpeeds};
 
