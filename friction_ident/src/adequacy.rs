@@ -129,9 +129,9 @@ pub enum FitDoubt {
     },
     /// Friction of its own that gives energy.
     #[error(
-        "has {id} below zero by more than its error, which friction cannot be: it stands for something \
-         that the structure does not have, or the motion does not tell its parts apart (one speed \
-         does not). Its parameters are not to be trusted, whatever their errors"
+        "has {id} below zero by more than its error, which friction cannot be: that stands for something \
+         it lacks, or the motion does not tell its parts apart (one speed does not). Its parameters are \
+         not to be trusted, whatever their errors"
     )]
     Impossible {
         /// The parameter.

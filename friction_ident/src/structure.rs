@@ -61,6 +61,12 @@ const PARTS: [(&str, Field); 8] = [
 ];
 
 impl AxisStructure {
+    /// Of the levels of friction the one that is the bristle's stiffness times its displacement: that
+    /// at rest where a dip follows at once, the kinetic one where it lags or there is none.
+    pub fn level_of_stiffness<T>(&self, at_rest: T, kinetic: T) -> T {
+        if self.stribeck && !self.lag { at_rest } else { kinetic }
+    }
+
     /// Inertia, viscous and Coulomb friction, offset: the model that is published with the EMPS
     /// benchmark.
     pub const SYMMETRIC: Self = Self {

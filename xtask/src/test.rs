@@ -52,8 +52,9 @@ impl Test {
         let long: &[(&str, &str)] = if self.full { &[("FRICTION_FULL", "1")] } else { &[] };
         // Fetching the Python half leaves the processors to the compiler. Programs and tests are
         // built together, with the same features, so that nothing is built twice. The tests know
-        // what the machine has: they are built for what it will have, and those that need what
-        // could not be had are built again.
+        // what the machine has: they are built for what it will have. Where something could not be
+        // had, they are built again before the first one runs: a program that one lane replaces is
+        // gone for the tests of the other.
         fs::create_dir_all(&target)?;
         let built = target.join("debug/deps").is_dir();
         room::said(&target, built).iter().for_each(|line| println!("{line}"));
@@ -65,17 +66,24 @@ impl Test {
             Need::Colcon,
             Need::Cyclone,
             Need::Mujoco,
+            Need::RayCluster,
         ]);
         expected.extend(self.full.then_some(Need::Jazzy));
         machine::write_down(&target, &expected)?;
         let examples = RUN_EXAMPLES.map(|name| ["--example", name]).concat();
+        // Libraries too: the extension module of Python is one that no program asks for.
+        let all = ["build", "--workspace", "--lib", "--bins", "--tests", "--locked"];
+        let build = || cargo(root, &[&all[..], &examples].concat(), long);
         thread::scope(|scope| {
             scope.spawn(|| prepare_python(self.full));
-            // Libraries too: the extension module of Python is one that no program asks for.
-            let all = ["build", "--workspace", "--lib", "--bins", "--tests", "--locked"];
-            cargo(root, &[&all[..], &examples].concat(), long)
+            build()
         })?;
-        machine::write_down(&target, &machine::look(&target))?;
+        let found = machine::look(&target);
+        machine::write_down(&target, &found)?;
+        if found != expected {
+            println!("The tests are built again: this machine lacks something they were built for.");
+            build()?;
+        }
         let built = |name: &str| {
             let program = target.join("debug").join(format!("{name}{}", env::consts::EXE_SUFFIX));
             program

@@ -1,6 +1,7 @@
 //! What the fitted numbers do not say, beyond their standard errors.
 
 use super::AxisStructure;
+use crate::conditioning::Conditioned;
 use crate::estimate::{Doubt, Estimate, Estimates, Verdict};
 use crate::parameter_id::{ParameterId, Side};
 
@@ -24,6 +25,11 @@ const FRICTION: [&str; 4] = ["f_v", "f_c", "f_s", "sigma1"];
 
 /// Those of steady sliding.
 pub(super) const STEADY: [&str; 3] = ["f_v", "f_c", "f_s"];
+
+/// What is told by what happens around reversals.
+const AROUND_REVERSALS: [&str; 4] = ["presliding", "delay", "f_s", "v_s"];
+const FASTER: &str = "reversals sampled faster, or a force that is recorded nearer to the motor";
+const FINER: &str = "an encoder with finer steps, or slower reversals that are sampled faster";
 
 /// Adds the doubts that no single parameter's error shows: a Stribeck velocity without a Stribeck
 /// effect, a period without a force.
@@ -90,8 +96,38 @@ fn backwards(estimates: &mut Estimates) {
     };
     if estimates.get("sigma1").is_some_and(drives) {
         let why = "the damping of the bristle comes out below zero: what happens around a reversal is not what one bristle does";
-        let remedy = "reversals sampled faster, or a force that is recorded nearer to the motor";
-        estimates.distrust_but(|id| id.name != "presliding", why, remedy);
+        estimates.distrust_but(|id| !AROUND_REVERSALS.contains(&id.name), why, FASTER);
+    }
+}
+
+/// What the sampling does not show of a bristle: one that bends by less than the encoder's `step`, and
+/// a damping that a force half a sample early or late would look like.
+///
+/// The friction of a bristle that comes `late` is `f_c (z - late z')`, which is a damping of
+/// `-late f_c / presliding`: the stiffness times the delay.
+pub(super) fn sampled(recording: &Conditioned, estimates: &mut Estimates) {
+    let low = |estimate: &Estimate| {
+        estimate.interval.map_or(f64::NEG_INFINITY, |interval| interval.low)
+    };
+    let Some(bristle) = estimates.get("presliding") else { return };
+    let (bends, least) = (bristle.value, low(bristle));
+    if least < recording.step {
+        let why = "the bristle bends by less than one step of the encoder";
+        estimates.distrust_but(|id| id.name != "presliding", why, FINER);
+    }
+    let known = estimates.get("presliding").is_some_and(Estimate::is_identified);
+    let levels = Side::of(true).iter().chain(Side::of(false));
+    let levels = levels.filter_map(|&side| estimates.value(ParameterId::new("f_c").side(side)));
+    let level = levels.fold(0.0, f64::max);
+    let half = 0.5 * recording.sampled * level / bends;
+    let Some(damping) = estimates.get("sigma1") else { return };
+    let clear = damping.interval.is_some_and(|interval| interval.low > half);
+    if !known {
+        let why = "how far the bristle bends is not known, and its damping hangs on that";
+        estimates.distrust_but(|id| id.name != "sigma1", why, FASTER);
+    } else if !clear {
+        let why = "a force half a sample early or late would look like such a damping";
+        estimates.distrust_but(|id| id.name != "sigma1", why, FASTER);
     }
 }
 
@@ -179,5 +215,37 @@ mod tests {
             estimates.get("presliding").unwrap().is_identified()
         };
         assert_eq!([-0.44, -0.15, 0.3].map(known), [false, true, true]);
+    }
+
+    /// A stranger's rigid axes and bristles without damping had one "identified" at a third of a sample,
+    /// and a displacement of half a step of the encoder.
+    #[test]
+    fn what_the_sampling_does_not_show_of_a_bristle_is_not_identified() {
+        let recording = crate::conditioning::Conditioned {
+            sampled: 1e-3,
+            step: 1e-5,
+            ..super::super::tests::damped_bristle()
+        };
+        let known = |damping: f64, displacement: f64| {
+            let one = |name: &'static str, value: f64| Estimate {
+                interval: Some(Interval {
+                    low: 0.9 * value,
+                    high: 1.1 * value,
+                    method: IntervalMethod::Robust,
+                }),
+                verdict: Verdict::Identified,
+                ..Estimate::given(name, "", value, "")
+            };
+            let parameters =
+                vec![one("f_c", 2.0), one("presliding", displacement), one("sigma1", damping)];
+            let mut estimates = Estimates { parameters, ..Estimates::default() };
+            sampled(&recording, &mut estimates);
+            ["presliding", "sigma1"].map(|name| estimates.get(name).unwrap().is_identified())
+        };
+        // Half a sample is worth 0.5e-3 s * 2 N m / 1e-3 rad = 1 N m s/rad.
+        assert_eq!(known(0.9, 1e-3), [true, false]);
+        assert_eq!(known(1.2, 1e-3), [true, true]);
+        assert_eq!(known(1e6, 0.9e-5), [false, false]);
+        assert_eq!(known(1e6, 1.2e-5), [true, true]);
     }
 }

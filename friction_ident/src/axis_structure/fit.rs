@@ -250,6 +250,7 @@ fn fitted(
     profile::intervals(&mut search, &best, &whole, &rises, &mut estimates);
     doubts::judge(&structure, &mut estimates);
     stability::judge(&mut search, &best, &whole, &mut estimates);
+    doubts::sampled(search.regressors.recording, &mut estimates);
     at_bound::distrust(&terms, &search.limits, &best.shape, &mut estimates);
     if let Some(inertia) = estimates.parameters.first() {
         // One that the recording does not determine may come out on either side.

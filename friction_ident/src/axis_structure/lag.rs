@@ -4,7 +4,7 @@
 use nalgebra::DVector;
 
 use super::AxisStructure;
-use super::search::{Best, EXACT, Search};
+use super::search::{Best, EXACT, Search, System};
 use super::shape::{PositionScale, Shape, ShapeTerm};
 use crate::IdentError;
 
@@ -109,7 +109,7 @@ impl Search<'_> {
         let mut terms = self.moving(kept);
         terms.push(ShapeTerm::Ratio);
         let mut shape = self.searched(start, &terms, enough);
-        let (matrix, force) = self.system(&shape)?;
+        let System { matrix, force, .. } = self.system(&shape)?;
         if let Some(fit) = self.projection(matrix, &force, Some(shape.ratio)) {
             shape.damped = self.regressors.damped(&fit.rest(&force).0);
         }

@@ -8,10 +8,10 @@
 use super::fit::StructureFit;
 use super::naming::SPEEDS;
 use super::said::Said;
-use super::{Choice, CrossValidation, Ranked, curved, sliding};
+use super::{Choice, CrossValidation, Ranked, curved, doubts, sliding};
 use crate::conditioning::Conditioned;
 use crate::estimate::{Doubt, Estimate, Interval, IntervalMethod, Verdict};
-use crate::parameter_id::ParameterId;
+use crate::parameter_id::{ParameterId, Side};
 
 /// Share of the value that an interval may reach to each side.
 const WIDEST: f64 = 1.0;
@@ -54,9 +54,32 @@ impl StructureFit {
         if let Some((own, beside)) = self.estimates.get_mut("presliding").zip(beside) {
             reach(own, beside.low, beside.high);
         }
+        self.heed_lag();
+        doubts::sampled(recording, &mut self.estimates);
         let listed = |id: ParameterId| self.curved.iter().any(|(own, _)| *own == id);
         let straight = |id: ParameterId| STRAIGHT.contains(&id.name) && listed(id);
         self.estimates.distrust_but(|id| !straight(id), CURVED, SPEEDS);
+    }
+
+    /// Widens the interval of the displacement to what it would be where the bristle's limit lags: the
+    /// stiffness at a reversal is then the kinetic level over it, and not the level at rest. Which of
+    /// both it is shows in the choice of the structure only.
+    fn heed_lag(&mut self) {
+        if !self.structure.stribeck || !self.structure.presliding || self.structure.lag {
+            return;
+        }
+        let sum = |name: &'static str| {
+            let sides = Side::of(self.structure.asymmetric).iter();
+            sides.filter_map(|&side| self.estimates.value(ParameterId::new(name).side(side))).sum()
+        };
+        let (f_s, f_c): (f64, f64) = (sum("f_s"), sum("f_c"));
+        let share = f_c / f_s;
+        let Some(own) = self.estimates.get_mut("presliding") else { return };
+        if let Some(interval) = own.interval
+            && share > 0.0
+        {
+            reach(own, share * interval.low, share * interval.high);
+        }
     }
 
     /// What another fit says of the parameters whose intervals do not hold that.
@@ -96,7 +119,7 @@ fn reach(estimate: &mut Estimate, low: f64, high: f64) {
     }
     let (low, high) = (interval.low.min(low), interval.high.max(high));
     estimate.interval = Some(Interval { low, high, method: IntervalMethod::Rivals });
-    let signed = super::doubts::SIGNED.contains(&estimate.id.name);
+    let signed = doubts::SIGNED.contains(&estimate.id.name);
     let farthest = (high - estimate.value).max(estimate.value - low);
     if !signed && farthest > WIDEST * estimate.value.abs() && estimate.is_identified() {
         let remedy = "a recording that tells the structures apart: more speeds, more reversals, more of the travel";
@@ -111,7 +134,6 @@ mod tests {
     use super::super::tests::three_tones;
     use super::super::{AxisStructure, PositionScale, cross_validate, fit_structure};
     use super::*;
-    use crate::parameter_id::{ParameterId, Side};
     use rand::{RngExt, SeedableRng};
     use rand_distr::StandardNormal;
 

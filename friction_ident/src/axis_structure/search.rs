@@ -1,8 +1,6 @@
 //! Separable least squares: the linear parameters by a fit of their own for every trial of the
 //! nonlinear ones (Golub and Pereyra 1973).
 
-use std::ops::ControlFlow;
-
 use nalgebra::{DMatrix, DVector};
 
 use super::AxisStructure;
@@ -10,8 +8,9 @@ use super::naming::{AxisUnits, unknowns};
 use super::projection::{Projection, below_zero, without};
 use super::regressors::Regressors;
 use super::shape::{Limits, PositionScale, Shape, ShapeTerm};
+use super::start::Starts;
 use super::waves;
-use crate::bounded::{Minimum, Patience, Residuals, minimise};
+use crate::bounded::{Minimum, Patience, Residuals, lowest};
 use crate::conditioning::Conditioned;
 use crate::finite::finite;
 use crate::least_squares::{self, Degenerate, Solution};
@@ -40,6 +39,14 @@ pub(super) struct Stepped {
     pub sum: f64,
     /// What the step takes off it.
     pub gain: f64,
+}
+
+/// The linear problem that nonlinear parameters leave.
+pub(super) struct System {
+    pub matrix: DMatrix<f64>,
+    pub force: DVector<f64>,
+    /// How the bristle began in each stretch, which is left out of both.
+    pub starts: Starts,
 }
 
 /// The search for the nonlinear parameters on some rows of a recording.
@@ -152,7 +159,7 @@ impl<'a> Search<'a> {
                 self.regressors.prepare(few)?;
             }
             for trial in few {
-                let (matrix, force) = self.system(trial)?;
+                let System { matrix, force, .. } = self.system(trial)?;
                 let sum = self
                     .projection(matrix, &force, None)
                     .map(|projection| projection.rest(&force).1.norm_squared());
@@ -167,7 +174,7 @@ impl<'a> Search<'a> {
     /// The periods that are worth a try with the other nonlinear parameters as they are.
     fn periods(&mut self, start: &Shape) -> Result<Vec<f64>, IdentError> {
         let grid = self.limits.grid(ShapeTerm::Period, PERIODS);
-        let (matrix, force) = self.system(start)?;
+        let System { matrix, force, .. } = self.system(start)?;
         let others = matrix.columns(0, matrix.ncols().saturating_sub(2)).into_owned();
         let places = self.regressors.places(start);
         let places = match &self.rows {
@@ -210,10 +217,9 @@ impl<'a> Search<'a> {
             let from: Vec<f64> =
                 terms.iter().map(|&term| term.unknown(term.value(&start))).collect();
             let patience = Patience { sum: enough, step: 1e-5, iterations: 30, broyden: false };
-            let mut problem = Separable { search: self, terms, start };
-            let watch = &mut |_: &_| ControlFlow::Continue(());
-            if let Some(minimum) = minimise(&mut problem, &from, &bounds, &patience, watch) {
-                shape = problem.shape(&minimum.x);
+            let mut problem = Separable { search: self, terms, start, last: None };
+            if let Some(x) = lowest(&mut problem, &from, &bounds, &patience) {
+                shape = problem.shape(&x);
             }
         }
         shape
@@ -226,7 +232,7 @@ impl<'a> Search<'a> {
         terms.extend(self.structure.lag.then_some(ShapeTerm::Ratio));
         let limits = self.limits;
         let x: Vec<f64> = terms.iter().map(|term| term.unknown(term.value(&start))).collect();
-        let mut problem = Separable { search: self, terms: &terms, start };
+        let mut problem = Separable { search: self, terms: &terms, start, last: None };
         let mut residual = DVector::zeros(problem.len());
         let mut slopes = DMatrix::zeros(residual.len(), terms.len());
         if !problem.residuals(&x, residual.as_mut_slice())
@@ -252,7 +258,7 @@ impl<'a> Search<'a> {
 
     /// The linear parameters for given nonlinear ones.
     pub fn solve(&mut self, shape: &Shape) -> Result<Solution, IdentError> {
-        let (matrix, force) = self.system(shape)?;
+        let System { matrix, force, .. } = self.system(shape)?;
         self.solved(&matrix, &force)
     }
 
@@ -289,14 +295,14 @@ impl<'a> Search<'a> {
     }
 
     /// Columns and force on the rows that count, without how the bristle began.
-    pub fn system(&mut self, shape: &Shape) -> Result<(DMatrix<f64>, DVector<f64>), IdentError> {
+    pub fn system(&mut self, shape: &Shape) -> Result<System, IdentError> {
         let matrix = self.regressors.matrix(shape)?;
         let starts = self.regressors.starts(shape, self.rows.as_deref())?;
         let mut matrix = self.rows_of(matrix);
         let mut force = self.values_of(&self.regressors.force);
         starts.leave_out_of(&mut matrix);
         starts.leave_out(force.as_mut_slice());
-        Ok((matrix, force))
+        Ok(System { matrix, force, starts })
     }
 
     fn values_of(&self, column: &DVector<f64>) -> DVector<f64> {
@@ -363,17 +369,31 @@ struct Separable<'s, 'a> {
     search: &'s mut Search<'a>,
     terms: &'s [ShapeTerm],
     start: Shape,
+    /// The fit that was asked for last: the derivatives are mostly those of the same.
+    last: Option<Fitted>,
+}
+
+/// The linear fit for nonlinear parameters.
+struct Fitted {
+    shape: Shape,
+    projection: Projection,
+    starts: Starts,
+    linear: DVector<f64>,
+    rest: DVector<f64>,
 }
 
 impl Separable<'_, '_> {
-    fn projection(
-        &self,
-        shape: &Shape,
-        matrix: DMatrix<f64>,
-        force: &DVector<f64>,
-    ) -> Option<Projection> {
+    /// The linear fit for `x`.
+    fn fitted(&mut self, x: &[f64]) -> Option<Fitted> {
+        let shape = self.shape(x);
+        if let Some(last) = self.last.take_if(|last| last.shape == shape) {
+            return Some(last);
+        }
+        let System { matrix, force, starts } = self.search.system(&shape).ok()?;
         let tied = self.terms.contains(&ShapeTerm::Ratio).then_some(shape.ratio);
-        self.search.projection(matrix, force, tied)
+        let projection = self.search.projection(matrix, &force, tied)?;
+        let (linear, rest) = projection.rest(&force);
+        Some(Fitted { shape, projection, starts, linear, rest })
     }
 
     fn shape(&self, x: &[f64]) -> Shape {
@@ -391,28 +411,24 @@ impl Residuals for Separable<'_, '_> {
     }
 
     fn residuals(&mut self, x: &[f64], out: &mut [f64]) -> bool {
-        let shape = self.shape(x);
-        let Ok((matrix, force)) = self.search.system(&shape) else { return false };
-        let Some(projection) = self.projection(&shape, matrix, &force) else { return false };
-        out.copy_from_slice(projection.rest(&force).1.as_slice());
+        let Some(fitted) = self.fitted(x) else { return false };
+        out.copy_from_slice(fitted.rest.as_slice());
+        self.last = Some(fitted);
         true
     }
 
     /// Kaufman's (1975): the change of the columns, projected off what the linear parameters can
     /// follow.
     fn jacobian(&mut self, x: &[f64], _: &[f64], jacobian: &mut DMatrix<f64>) -> bool {
-        let shape = self.shape(x);
-        let Ok((matrix, force)) = self.search.system(&shape) else { return false };
-        let Some(projection) = self.projection(&shape, matrix, &force) else { return false };
-        let (linear, _) = projection.rest(&force);
-        let Ok(slopes) = self.search.slopes(&shape, &linear, self.terms) else { return false };
-        let rows = self.search.rows.as_deref();
-        let Ok(starts) = self.search.regressors.starts(&shape, rows) else { return false };
+        let Some(fitted) = self.fitted(x) else { return false };
+        let Fitted { shape, projection, starts, linear, .. } = &fitted;
+        let Ok(slopes) = self.search.slopes(shape, linear, self.terms) else { return false };
         for (j, (&term, slope)) in self.terms.iter().zip(slopes).enumerate() {
-            let mut slope = self.search.values_of(&slope) * term.stretch(term.value(&shape));
+            let mut slope = self.search.values_of(&slope) * term.stretch(term.value(shape));
             starts.leave_out(slope.as_mut_slice());
             jacobian.set_column(j, &-projection.rest(&slope).1);
         }
+        self.last = Some(fitted);
         true
     }
 }

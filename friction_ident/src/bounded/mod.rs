@@ -13,6 +13,7 @@ mod tests;
 
 use nalgebra::{DMatrix, DVector};
 
+pub(crate) use search::lowest;
 pub use search::minimise;
 
 /// A sum of squares to be made small.

@@ -7,6 +7,9 @@ use nalgebra::{DMatrix, DVector};
 use super::{Bound, Ending, Minimum, Patience, Residuals, Step};
 use crate::finite::finite;
 
+/// Damping up to which a step is that of the straight problem, and what it promises is to be trusted.
+const TRUSTED: f64 = 1e-3;
+
 /// Makes the sum of squares small, from `start` within `bounds`. `watch` sees every iteration and
 /// may stop the search.
 ///
@@ -21,6 +24,21 @@ pub fn minimise(
     let mut search = Search::begin(problem, start, bounds, patience)?;
     let ending = search.run(watch);
     Some(search.end(ending))
+}
+
+/// The unknowns alone, for who asks for no derivatives there. A step that promises less than what
+/// counts is not tried: neither the last one nor those that a refused one is cut to, which cost the
+/// residuals once more each.
+pub(crate) fn lowest(
+    problem: &mut impl Residuals,
+    start: &[f64],
+    bounds: &[Bound],
+    patience: &Patience,
+) -> Option<Vec<f64>> {
+    let mut search = Search::begin(problem, start, bounds, patience)?;
+    search.foresees = true;
+    search.run(&mut |_| ControlFlow::Continue(()));
+    Some(search.x)
 }
 
 /// The best point so far, and what the next step goes by.
@@ -40,6 +58,8 @@ struct Search<'a, P> {
     /// Factor by which `mu` grows at the next step that is refused.
     growth: f64,
     evaluations: usize,
+    /// Whether it ends before a step that promises less than what counts.
+    foresees: bool,
     /// Jacobians so far.
     iteration: usize,
     /// Accepted steps since the Jacobian was computed afresh; none where it is to be computed.
@@ -90,6 +110,7 @@ impl<'a, P: Residuals> Search<'a, P> {
             mu: 1e-4,
             growth: 2.0,
             evaluations: 1,
+            foresees: false,
             iteration: 0,
             age: None,
         })
@@ -141,6 +162,7 @@ impl<'a, P: Residuals> Search<'a, P> {
     /// Shorter and shorter steps until one is better.
     fn step(&mut self, slope: &Slope, free: &[usize], stale: bool) -> Accepted {
         let Slope { gradient, normal } = slope;
+        let mut refused = false;
         loop {
             let moved = self.proposed(slope, free);
             let predicted = -(2.0 * gradient.dot(&moved) + moved.dot(&(normal * &moved)));
@@ -148,6 +170,10 @@ impl<'a, P: Residuals> Search<'a, P> {
                 moved[j].abs()
                     <= self.patience.step * self.x[j].abs().max(1e-3 * self.bounds[j].scale)
             });
+            let counts = predicted > self.patience.sum * self.sum;
+            if self.foresees && !counts && (refused || self.mu <= TRUSTED) {
+                return Accepted::None;
+            }
             let next: Vec<f64> = self.x.iter().zip(moved.iter()).map(|(a, b)| a + b).collect();
             self.evaluations += 1;
             let allowed = self.problem.residuals(&next, self.trial.as_mut_slice());
@@ -160,6 +186,7 @@ impl<'a, P: Residuals> Search<'a, P> {
                 return Accepted::None;
             }
             (self.mu, self.growth) = (self.mu * self.growth, self.growth * 2.0);
+            refused = true;
         }
     }
 

@@ -28,6 +28,11 @@ impl Conditioned {
         let thin = |column: &[f64]| {
             self.by_piece(column, |own| Ok(own.iter().copied().step_by(factor).collect()))
         };
+        let sticks = self.pieces.iter().flat_map(|piece| {
+            let own = self.sticks.get(piece.kept.clone()).unwrap_or_default();
+            own.iter().copied().step_by(factor)
+        });
+        let sticks: Vec<bool> = sticks.collect();
         let force = self.by_piece(&self.force, |own| decimate(own, factor))?;
         let position = self.position.as_deref().map(thin).transpose()?;
         let (velocity, acceleration) = (thin(&self.velocity)?, thin(&self.acceleration)?);
@@ -58,6 +63,7 @@ impl Conditioned {
             acceleration,
             force,
             lived,
+            sticks,
             pieces,
             decimate: (self.decimate as f64 / factor as f64).round() as usize,
             stride: (self.stride / factor).max(1),

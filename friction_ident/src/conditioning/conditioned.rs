@@ -33,6 +33,13 @@ pub struct Conditioned {
     pub(crate) stride: usize,
     /// The stretches without a gap; one at least.
     pub(crate) pieces: Vec<Piece>,
+    /// Sampling period before any was left out \[s\].
+    pub(crate) sampled: f64,
+    /// Smallest step between two readings of the position \[m or rad\]; zero where there is none.
+    pub(crate) step: f64,
+    /// Whether the readings of the position show that the axis sticks, of each kept sample; empty
+    /// once the rests are left out.
+    pub(crate) sticks: Vec<bool>,
     /// Velocity of all that was recorded, stretch by stretch: with what the trim takes off before a
     /// stretch, and with the time in which the axis stands still. Bristles live through both.
     pub(crate) lived: Vec<f64>,

@@ -2,6 +2,7 @@
 
 use super::conditioned::{Conditioned, Piece};
 use super::settings::Conditioning;
+use super::sticks::{smallest_step, sticking};
 use crate::IdentError;
 use crate::zero_phase::LowPass;
 
@@ -77,6 +78,10 @@ pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, I
     let all = 0..kept.len();
     let way = first_way(&velocity, velocity_floor);
     let origin = kept.clone();
+    let readings = signals.position.unwrap_or_default();
+    let step = smallest_step(readings);
+    let mut sticks = sticking(readings, step);
+    sticks.resize(n, false);
     let pieces = vec![Piece { stretch: 0, kept: all, origin, begin: 0, way, start: 0.0 }];
     Ok(Conditioned {
         pieces,
@@ -85,7 +90,10 @@ pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, I
         position: position.map(|position| position[kept.clone()].to_vec()),
         velocity: velocity[kept.clone()].to_vec(),
         acceleration: acceleration[kept.clone()].to_vec(),
-        force: signals.force[kept].to_vec(),
+        force: signals.force[kept.clone()].to_vec(),
+        sampled: dt,
+        step,
+        sticks: sticks[kept].to_vec(),
         acceleration_floor: velocity_floor / dt,
         velocity_floor,
         decimate: how.decimate,

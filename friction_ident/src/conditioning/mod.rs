@@ -15,6 +15,7 @@ mod conditioned;
 mod filter;
 mod rests;
 mod settings;
+mod sticks;
 mod stretches;
 #[cfg(test)]
 mod tests;

@@ -6,52 +6,46 @@ use super::conditioned::{Conditioned, Piece, THINNING_PADDING};
 use crate::IdentError;
 use crate::rest::standing;
 
-/// Thinned samples that motion between two rests must have to be of use.
+/// Thinned samples that motion between two rests must have to be of use, and between short sticks.
 const LEAST_ROWS: usize = 8;
+const LEAST_ROWS_BETWEEN_STICKS: usize = 4;
+
+/// Share of the motion that must be left where short sticks are left out too.
+const MOST_LEFT: f64 = 0.5;
+
+/// What is left of a recording without its rests.
+struct Motion {
+    pieces: Vec<Piece>,
+    /// The samples that are kept, of each piece.
+    kept: Vec<Range<usize>>,
+    /// Samples of the longest motion, kept or not.
+    longest: usize,
+}
+
+impl Motion {
+    fn samples(&self) -> usize {
+        self.kept.iter().map(ExactSizeIterator::len).sum()
+    }
+}
 
 impl Conditioned {
     /// The recording without the time in which it stands still, and how long that was \[s\].
     ///
     /// At rest the sign of the velocity is that of its noise, and friction is whatever is applied: a
     /// regression on it is ruined. Rest is told from motion after the low-pass, at twice its cutoff,
-    /// where noise is nearly white. However long the rest is, it says nothing of friction in motion.
+    /// where noise is nearly white; an encoder shows shorter ones by its readings, which are left out
+    /// where enough motion is left between them. However long the rest is, it says nothing of friction
+    /// in motion.
     ///
     /// # Errors
     /// [`IdentError::TooFewSamples`] where no motion between two rests is long enough.
     pub fn moving(self) -> Result<(Self, f64), IdentError> {
-        let stride = self.stride;
-        let shortest = THINNING_PADDING.max(LEAST_ROWS * self.decimate) + 1;
-        let mut pieces = Vec::new();
-        let mut kept: Vec<Range<usize>> = Vec::new();
-        let mut longest = 0;
-        for piece in &self.pieces {
-            let velocity = self.velocity.get(piece.kept.clone()).unwrap_or_default();
-            let thinned: Vec<f64> = velocity.iter().copied().step_by(stride).collect();
-            let rest = standing(&thinned);
-            let at_rest = |k: usize| rest.get(k / stride).copied().unwrap_or(false);
-            let mut begin = 0;
-            while begin < velocity.len() {
-                let state = at_rest(begin);
-                let same = (begin..velocity.len()).take_while(|&k| at_rest(k) == state).count();
-                let end = begin + same;
-                longest = longest.max(if state { 0 } else { same });
-                if !state && same >= shortest {
-                    let from = kept.iter().map(ExactSizeIterator::len).sum::<usize>();
-                    let own = piece.kept.start + begin..piece.kept.start + end;
-                    pieces.push(Piece {
-                        stretch: piece.stretch,
-                        kept: from..from + same,
-                        origin: piece.origin.start + begin..piece.origin.start + end,
-                        begin: piece.begin,
-                        way: piece.way,
-                        start: piece.start + begin as f64 * self.time_step,
-                    });
-                    kept.push(own);
-                }
-                begin = end;
-            }
+        let mut motion = self.between(&self.rests(false), LEAST_ROWS);
+        let without_sticks = self.between(&self.rests(true), LEAST_ROWS_BETWEEN_STICKS);
+        if without_sticks.samples() as f64 >= MOST_LEFT * motion.samples() as f64 {
+            motion = without_sticks;
         }
-        let left: usize = kept.iter().map(ExactSizeIterator::len).sum();
+        let left = motion.samples();
         let out = self.velocity.len() - left;
         if out == 0 || self.velocity.iter().all(|v| v.abs() <= self.velocity_floor) {
             return Ok((self, 0.0));
@@ -59,11 +53,12 @@ impl Conditioned {
         if left == 0 {
             return Err(IdentError::TooFewSamples {
                 what: "the motion between two rests",
-                needed: shortest,
-                found: longest,
+                needed: self.shortest(LEAST_ROWS),
+                found: motion.longest,
                 lower: Some("the decimation"),
             });
         }
+        let Motion { pieces, kept, .. } = motion;
         let of = |column: &[f64]| -> Vec<f64> {
             kept.iter().filter_map(|range| column.get(range.clone())).flatten().copied().collect()
         };
@@ -72,10 +67,63 @@ impl Conditioned {
             velocity: of(&self.velocity),
             acceleration: of(&self.acceleration),
             force: of(&self.force),
+            sticks: Vec::new(),
             pieces,
             ..self
         };
         let seconds = out as f64 * moving.time_step;
         Ok((moving, seconds))
+    }
+
+    /// Samples that motion must have to give so many rows.
+    fn shortest(&self, rows: usize) -> usize {
+        THINNING_PADDING.max(rows * self.decimate) + 1
+    }
+
+    /// Which samples are those of rest, those of short sticks among them or not.
+    fn rests(&self, short: bool) -> Vec<bool> {
+        let mut all = vec![false; self.velocity.len()];
+        for piece in &self.pieces {
+            let velocity = self.velocity.get(piece.kept.clone()).unwrap_or_default();
+            let thinned: Vec<f64> = velocity.iter().copied().step_by(self.stride).collect();
+            let rest = standing(&thinned);
+            let own = all.get_mut(piece.kept.clone()).unwrap_or_default();
+            for (k, at_rest) in own.iter_mut().enumerate() {
+                *at_rest = rest.get(k / self.stride).copied().unwrap_or(false);
+            }
+        }
+        if short {
+            all.iter_mut().zip(&self.sticks).for_each(|(rest, sticks)| *rest |= sticks);
+        }
+        all
+    }
+
+    /// The motion between `rests` that gives at least so many rows each.
+    fn between(&self, rests: &[bool], rows: usize) -> Motion {
+        let shortest = self.shortest(rows);
+        let mut motion = Motion { pieces: Vec::new(), kept: Vec::new(), longest: 0 };
+        let mut from = 0;
+        for piece in &self.pieces {
+            let rest = rests.get(piece.kept.clone()).unwrap_or_default();
+            let mut begin = 0;
+            for same in rest.chunk_by(|a, b| a == b) {
+                let (moves, end) = (same.first() == Some(&false), begin + same.len());
+                motion.longest = motion.longest.max(if moves { same.len() } else { 0 });
+                if moves && same.len() >= shortest {
+                    motion.pieces.push(Piece {
+                        stretch: piece.stretch,
+                        kept: from..from + same.len(),
+                        origin: piece.origin.start + begin..piece.origin.start + end,
+                        begin: piece.begin,
+                        way: piece.way,
+                        start: piece.start + begin as f64 * self.time_step,
+                    });
+                    motion.kept.push(piece.kept.start + begin..piece.kept.start + end);
+                    from += same.len();
+                }
+                begin = end;
+            }
+        }
+        motion
     }
 }

@@ -52,6 +52,8 @@ pub fn condition_stretches(
         all.acceleration.extend_from_slice(&one.acceleration);
         all.force.extend_from_slice(&one.force);
         all.lived.extend_from_slice(&one.lived);
+        all.sticks.extend_from_slice(&one.sticks);
+        all.step = all.step.max(one.step);
         all.velocity_floor = all.velocity_floor.max(one.velocity_floor);
         all.acceleration_floor = all.acceleration_floor.max(one.acceleration_floor);
     }

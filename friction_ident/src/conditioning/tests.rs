@@ -140,6 +140,30 @@ fn a_long_rest_is_left_out_however_long() {
     assert!(said.contains("the motion between two rests"), "{said}");
 }
 
+/// A stranger's axes stuck for ten samples at each turn, and that was fitted as motion: it gave a delay
+/// of -32 ms, identified, where there was one of 1 ms.
+#[test]
+fn short_sticks_are_left_out_where_an_encoder_shows_them() {
+    const STEP: f64 = 1e-4;
+    let read = |stick: f64| -> Vec<f64> {
+        let place = |t: f64| {
+            let (turn, within) = ((t / (0.7 + stick)).floor(), t % (0.7 + stick));
+            let way = 0.25 * (1.0 - (within.min(0.7) * std::f64::consts::PI / 0.7).cos());
+            if turn % 2.0 == 0.0 { way } else { 0.5 - way }
+        };
+        (0..2400).map(|k| (place(f64::from(k) * 1e-2) / STEP).floor() * STEP).collect()
+    };
+    let moving = |position: &[f64]| {
+        let signals = Signals { time_step: 1e-2, ..signals(position, position) };
+        condition(&signals, &Conditioning::for_time_step(1e-2)).unwrap().moving().unwrap()
+    };
+    let (found, rest) = moving(&read(0.1));
+    // 30 of them, without the ends of the recording.
+    assert!((2.0..5.0).contains(&rest), "{rest}");
+    assert!((25..=30).contains(&found.pieces.len()), "{}", found.pieces.len());
+    assert_eq!(moving(&read(0.0)).1, 0.0);
+}
+
 /// Of 5 kHz with a motion of a few hertz a fifth is left, at the same times and of the same size.
 #[test]
 fn a_coarser_recording_has_the_same_motion() {

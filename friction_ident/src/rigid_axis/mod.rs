@@ -20,6 +20,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use crate::IdentError;
+use crate::adequacy::FitDoubt;
 use crate::axis_term::AxisTerm;
 use crate::conditioning::{Conditioned, Piece};
 use crate::least_squares::{self, Degenerate};
@@ -203,6 +204,17 @@ impl AxisFit {
             }
             _ => Ok(()),
         }
+    }
+
+    /// The friction that comes out below zero by more than its error, where any does: none drives the
+    /// axis.
+    pub fn impossible(&self) -> Option<FitDoubt> {
+        let below = |estimate: &&TermEstimate| {
+            let friction = estimate.term != AxisTerm::Inertia && !estimate.term.is_signed();
+            friction && estimate.value < -2.0 * estimate.standard_error
+        };
+        let estimate = self.terms.iter().find(below)?;
+        Some(FitDoubt::Impossible { id: estimate.term.name().into() })
     }
 
     /// The estimate of a term, if the model has it.

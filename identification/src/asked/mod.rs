@@ -133,7 +133,9 @@ pub struct IdentifyArgs {
     pub without_inertia: bool,
 
     /// Choose the structure of the axis by cross-validation: auto, or names as
-    /// asymmetric+stribeck+delay, separated by commas.
+    /// asymmetric+stribeck+delay, separated by commas. A name begins with symmetric or asymmetric
+    /// (friction of each direction); its parts are stribeck, presliding, damping, lag, delay,
+    /// position, gravity and harmonic.
     #[arg(
         long,
         value_name = "auto|NAMES",

@@ -93,7 +93,7 @@ fn model(fit: &StructureFit) -> Result<AnyModel, ModelError> {
             ("f_c", *f_c),
             ("v_s", v_s),
             ("delta", 2.0),
-            ("sigma0", f_c / fit.shape.displacement),
+            ("sigma0", fit.structure.level_of_stiffness(*f_s, *f_c) / fit.shape.displacement),
             ("sigma1", fit.estimates.value("sigma1").unwrap_or(0.0).max(0.0)),
             ("f_v", *f_v),
         ];
@@ -170,7 +170,10 @@ fn origin(fit: &StructureFit, path: &str) -> String {
         ("f_s", None) => "a copy of f_c: no Stribeck dip in this structure".to_owned(),
         ("v_s", None) => "no Stribeck dip in this structure: without effect".to_owned(),
         ("sigma1", None) => "no damping of the bristle in this structure".to_owned(),
-        ("sigma0", None) => "the Coulomb level over the displacement of pre-sliding".to_owned(),
+        ("sigma0", None) => {
+            let level = fit.structure.level_of_stiffness("the level at rest", "the Coulomb level");
+            format!("{level} over the displacement of pre-sliding")
+        }
         _ => "not identified".to_owned(),
     }
 }
