@@ -19,6 +19,8 @@ pub struct Signals<'a> {
     pub force: &'a [f64],
 }
 
+/// Periods of a low-pass by which it spreads a step to each side.
+const REACH: f64 = 0.25;
 /// Share of the fastest velocity above which a direction is clear.
 const CLEAR: f64 = 0.01;
 
@@ -80,7 +82,9 @@ pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, I
     let origin = kept.clone();
     let readings = signals.position.unwrap_or_default();
     let step = smallest_step(readings);
-    let mut sticks = sticking(readings, step);
+    let lowest = how.cutoff.min(how.acceleration_cutoff);
+    let reach = (REACH / (dt * lowest)).round() as usize;
+    let mut sticks = sticking(readings, step, reach);
     sticks.resize(n, false);
     let pieces = vec![Piece { stretch: 0, kept: all, origin, begin: 0, way, start: 0.0 }];
     Ok(Conditioned {

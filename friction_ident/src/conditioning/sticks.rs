@@ -26,8 +26,9 @@ pub(super) fn smallest_step(position: &[f64]) -> f64 {
     least.unwrap_or(0.0)
 }
 
-/// The samples at which the axis sticks, by readings that are `step` apart.
-pub(super) fn sticking(position: &[f64], step: f64) -> Vec<bool> {
+/// The samples at which the axis sticks, by readings that are `step` apart, and those within `reach`
+/// of them, where a low-pass takes the stick for a part of the motion.
+pub(super) fn sticking(position: &[f64], step: f64, reach: usize) -> Vec<bool> {
     let mut sticks = vec![false; position.len()];
     if step <= 0.0 {
         return sticks;
@@ -43,7 +44,12 @@ pub(super) fn sticking(position: &[f64], step: f64) -> Vec<bool> {
         same.take(k, x);
     }
     mark(&mut sticks, position, same.first..position.len(), same.middle(), AWAY * step);
-    sticks
+    let mut spread = vec![false; position.len()];
+    for (k, _) in sticks.iter().enumerate().filter(|(_, sticks)| **sticks) {
+        let near = k.saturating_sub(reach)..(k + reach + 1).min(spread.len());
+        spread.get_mut(near).unwrap_or_default().fill(true);
+    }
+    spread
 }
 
 /// Readings one after the other that stay where they are, with those of them that may be the lowest
@@ -121,7 +127,7 @@ mod tests {
     }
 
     fn share(position: &[f64]) -> f64 {
-        let sticks = sticking(position, smallest_step(position));
+        let sticks = sticking(position, smallest_step(position), 0);
         sticks.iter().filter(|sticks| **sticks).count() as f64 / sticks.len() as f64
     }
 
