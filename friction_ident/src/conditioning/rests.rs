@@ -11,7 +11,7 @@ const LEAST_ROWS: usize = 8;
 const LEAST_ROWS_BETWEEN_STICKS: usize = 4;
 
 /// Share of the motion that must be left where short sticks are left out too.
-const MOST_LEFT: f64 = 0.5;
+const LEAST_LEFT: f64 = 0.5;
 
 /// What is left of a recording without its rests.
 struct Motion {
@@ -41,9 +41,11 @@ impl Conditioned {
     /// [`IdentError::TooFewSamples`] where no motion between two rests is long enough.
     pub fn moving(self) -> Result<(Self, f64), IdentError> {
         let mut motion = self.between(&self.rests(false), LEAST_ROWS);
-        let without_sticks = self.between(&self.rests(true), LEAST_ROWS_BETWEEN_STICKS);
-        if without_sticks.samples() as f64 >= MOST_LEFT * motion.samples() as f64 {
-            motion = without_sticks;
+        if self.sticks.contains(&true) {
+            let without = self.between(&self.rests(true), LEAST_ROWS_BETWEEN_STICKS);
+            if without.samples() as f64 >= LEAST_LEFT * motion.samples() as f64 {
+                motion = without;
+            }
         }
         let left = motion.samples();
         let out = self.velocity.len() - left;

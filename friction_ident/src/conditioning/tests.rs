@@ -158,8 +158,8 @@ fn short_sticks_are_left_out_where_an_encoder_shows_them() {
         condition(&signals, &Conditioning::for_time_step(1e-2)).unwrap().moving().unwrap()
     };
     let (found, rest) = moving(&read(0.1));
-    // 30 of them, without the ends of the recording.
-    assert!((2.0..5.0).contains(&rest), "{rest}");
+    // 30 of them, each with what the encoder does not see and the low-pass spreads.
+    assert!((2.9..7.0).contains(&rest), "{rest}");
     assert!((25..=30).contains(&found.pieces.len()), "{}", found.pieces.len());
     assert_eq!(moving(&read(0.0)).1, 0.0);
 }
