@@ -81,7 +81,9 @@ impl Test {
         let found = machine::look(&target);
         machine::write_down(&target, &found)?;
         if found != expected {
-            println!("The tests are built again: this machine lacks something they were built for.");
+            println!(
+                "The tests are built again: this machine lacks something they were built for."
+            );
             build()?;
         }
         let built = |name: &str| {

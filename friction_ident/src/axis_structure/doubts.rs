@@ -101,14 +101,14 @@ fn backwards(estimates: &mut Estimates) {
 }
 
 /// What the sampling does not show of a bristle: one that bends by less than the encoder's `step`, and
-/// a damping that a force half a sample early or late would look like.
+/// a damping that a force half a sample early or late would look like. Where the axis sticks the
+/// low-pass spreads each start, which looks like a bristle with such a damping.
 ///
 /// The friction of a bristle that comes `late` is `f_c (z - late z')`, which is a damping of
 /// `-late f_c / presliding`: the stiffness times the delay.
 pub(super) fn sampled(recording: &Conditioned, estimates: &mut Estimates) {
-    let low = |estimate: &Estimate| {
-        estimate.interval.map_or(f64::NEG_INFINITY, |interval| interval.low)
-    };
+    let low =
+        |estimate: &Estimate| estimate.interval.map_or(f64::NEG_INFINITY, |interval| interval.low);
     let Some(bristle) = estimates.get("presliding") else { return };
     let (bends, least) = (bristle.value, low(bristle));
     if least < recording.step {
@@ -119,12 +119,16 @@ pub(super) fn sampled(recording: &Conditioned, estimates: &mut Estimates) {
     let levels = Side::of(true).iter().chain(Side::of(false));
     let levels = levels.filter_map(|&side| estimates.value(ParameterId::new("f_c").side(side)));
     let level = levels.fold(0.0, f64::max);
-    let half = 0.5 * recording.sampled * level / bends;
+    let least = recording.instant() * level / bends;
     let Some(damping) = estimates.get("sigma1") else { return };
-    let clear = damping.interval.is_some_and(|interval| interval.low > half);
+    let clear = damping.interval.is_some_and(|interval| interval.low > least);
     if !known {
         let why = "how far the bristle bends is not known, and its damping hangs on that";
         estimates.distrust_but(|id| id.name != "sigma1", why, FASTER);
+    } else if !clear && recording.sticking {
+        let why =
+            "the axis sticks, and a start that the low-pass spreads looks like such a bristle";
+        estimates.distrust_but(|id| !["presliding", "sigma1"].contains(&id.name), why, FASTER);
     } else if !clear {
         let why = "a force half a sample early or late would look like such a damping";
         estimates.distrust_but(|id| id.name != "sigma1", why, FASTER);
@@ -217,35 +221,50 @@ mod tests {
         assert_eq!([-0.44, -0.15, 0.3].map(known), [false, true, true]);
     }
 
+    /// Whether displacement and damping of a bristle whose level is 2 N m are identified.
+    fn known_of(recording: &Conditioned, damping: f64, displacement: f64) -> [bool; 2] {
+        let one = |name: &'static str, value: f64| Estimate {
+            interval: Some(Interval {
+                low: 0.9 * value,
+                high: 1.1 * value,
+                method: IntervalMethod::Robust,
+            }),
+            verdict: Verdict::Identified,
+            ..Estimate::given(name, "", value, "")
+        };
+        let parameters =
+            vec![one("f_c", 2.0), one("presliding", displacement), one("sigma1", damping)];
+        let mut estimates = Estimates { parameters, ..Estimates::default() };
+        sampled(recording, &mut estimates);
+        ["presliding", "sigma1"].map(|name| estimates.get(name).unwrap().is_identified())
+    }
+
     /// A stranger's rigid axes and bristles without damping had one "identified" at a third of a sample,
     /// and a displacement of half a step of the encoder.
     #[test]
     fn what_the_sampling_does_not_show_of_a_bristle_is_not_identified() {
-        let recording = crate::conditioning::Conditioned {
-            sampled: 1e-3,
-            step: 1e-5,
-            ..super::super::tests::damped_bristle()
-        };
-        let known = |damping: f64, displacement: f64| {
-            let one = |name: &'static str, value: f64| Estimate {
-                interval: Some(Interval {
-                    low: 0.9 * value,
-                    high: 1.1 * value,
-                    method: IntervalMethod::Robust,
-                }),
-                verdict: Verdict::Identified,
-                ..Estimate::given(name, "", value, "")
-            };
-            let parameters =
-                vec![one("f_c", 2.0), one("presliding", displacement), one("sigma1", damping)];
-            let mut estimates = Estimates { parameters, ..Estimates::default() };
-            sampled(&recording, &mut estimates);
-            ["presliding", "sigma1"].map(|name| estimates.get(name).unwrap().is_identified())
-        };
+        let recording =
+            Conditioned { sampled: 1e-3, step: 1e-5, ..super::super::tests::damped_bristle() };
+        let known = |damping, displacement| known_of(&recording, damping, displacement);
         // Half a sample is worth 0.5e-3 s * 2 N m / 1e-3 rad = 1 N m s/rad.
         assert_eq!(known(0.9, 1e-3), [true, false]);
         assert_eq!(known(1.2, 1e-3), [true, true]);
         assert_eq!(known(1e6, 0.9e-5), [false, false]);
         assert_eq!(known(1e6, 1.2e-5), [true, true]);
+    }
+
+    /// The low-pass spread the starts of rigid axes over 2.5 ms: a bristle of a few steps of the encoder,
+    /// with a damping of two samples.
+    #[test]
+    fn where_the_axis_sticks_a_bristle_must_be_slower_than_the_low_pass() {
+        let recording = Conditioned {
+            sampled: 1e-3,
+            spread: 2.5e-3,
+            sticking: true,
+            step: 1e-5,
+            ..super::super::tests::damped_bristle()
+        };
+        assert_eq!(known_of(&recording, 4.0, 1e-3), [false, false]);
+        assert_eq!(known_of(&recording, 6.0, 1e-3), [true, true]);
     }
 }

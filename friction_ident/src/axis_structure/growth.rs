@@ -271,7 +271,9 @@ mod tests {
         let error = |structure: &AxisStructure| {
             let gain = |has: bool, gain: f64| if has { gain } else { 0.0 };
             let AxisStructure { presliding, stribeck, harmonic, lag, .. } = *structure;
-            10.0 - gain(presliding, 1.0) - gain(stribeck, 1.0) - gain(harmonic, 4.0)
+            10.0 - gain(presliding, 1.0)
+                - gain(stribeck, 1.0)
+                - gain(harmonic, 4.0)
                 - gain(harmonic && lag, 1.0)
                 + gain(lag && !harmonic, 0.1)
         };

@@ -35,6 +35,10 @@ pub struct Conditioned {
     pub(crate) pieces: Vec<Piece>,
     /// Sampling period before any was left out \[s\].
     pub(crate) sampled: f64,
+    /// Time over which the low-pass spreads the start of a motion to each side \[s\].
+    pub(crate) spread: f64,
+    /// Whether short sticks were left out of the motion.
+    pub(crate) sticking: bool,
     /// Smallest step between two readings of the position \[m or rad\]; zero where there is none.
     pub(crate) step: f64,
     /// Whether the readings of the position show that the axis sticks, of each kept sample; empty
@@ -63,6 +67,13 @@ pub(crate) struct Piece {
 }
 
 impl Conditioned {
+    /// Time within which it does not show what comes first \[s\]: half a sample, and where the axis
+    /// sticks what the low-pass spreads of its starts.
+    pub(crate) fn instant(&self) -> f64 {
+        let half = 0.5 * self.sampled;
+        if self.sticking { half.max(self.spread) } else { half }
+    }
+
     /// Stretches of the recording that were long enough to be conditioned.
     pub fn stretches(&self) -> usize {
         let mut all: Vec<usize> = self.pieces.iter().map(|piece| piece.stretch).collect();

@@ -82,8 +82,8 @@ pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, I
     let origin = kept.clone();
     let readings = signals.position.unwrap_or_default();
     let step = smallest_step(readings);
-    let lowest = how.cutoff.min(how.acceleration_cutoff);
-    let reach = (REACH / (dt * lowest)).round() as usize;
+    let spread = REACH / how.cutoff.min(how.acceleration_cutoff);
+    let reach = (spread / dt).round() as usize;
     let mut sticks = sticking(readings, step, reach);
     sticks.resize(n, false);
     let pieces = vec![Piece { stretch: 0, kept: all, origin, begin: 0, way, start: 0.0 }];
@@ -96,6 +96,8 @@ pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, I
         acceleration: acceleration[kept.clone()].to_vec(),
         force: signals.force[kept.clone()].to_vec(),
         sampled: dt,
+        spread,
+        sticking: false,
         step,
         sticks: sticks[kept].to_vec(),
         acceleration_floor: velocity_floor / dt,

@@ -41,10 +41,11 @@ impl Conditioned {
     /// [`IdentError::TooFewSamples`] where no motion between two rests is long enough.
     pub fn moving(self) -> Result<(Self, f64), IdentError> {
         let mut motion = self.between(&self.rests(false), LEAST_ROWS);
+        let mut sticking = false;
         if self.sticks.contains(&true) {
             let without = self.between(&self.rests(true), LEAST_ROWS_BETWEEN_STICKS);
             if without.samples() as f64 >= LEAST_LEFT * motion.samples() as f64 {
-                motion = without;
+                (motion, sticking) = (without, true);
             }
         }
         let left = motion.samples();
@@ -70,6 +71,7 @@ impl Conditioned {
             acceleration: of(&self.acceleration),
             force: of(&self.force),
             sticks: Vec::new(),
+            sticking,
             pieces,
             ..self
         };

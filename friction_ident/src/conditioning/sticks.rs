@@ -97,13 +97,7 @@ impl Same {
 }
 
 /// Marks a stretch in which the readings stay, if the axis is `away` from there soon before or after.
-fn mark(
-    sticks: &mut [bool],
-    position: &[f64],
-    stays: Range<usize>,
-    middle: f64,
-    away: f64,
-) {
+fn mark(sticks: &mut [bool], position: &[f64], stays: Range<usize>, middle: f64, away: f64) {
     if stays.len() < LEAST {
         return;
     }

@@ -88,12 +88,13 @@ fn model(fit: &StructureFit) -> Result<AnyModel, ModelError> {
         };
         let v_s = if fit.structure.stribeck { fit.shape.v_s } else { NO_DIP_V_S };
         let mut parameters = AnyParameters::test_bed(name);
+        let f_s = f_s.max(*f_c);
         let values = [
-            ("f_s", f_s.max(*f_c)),
+            ("f_s", f_s),
             ("f_c", *f_c),
             ("v_s", v_s),
             ("delta", 2.0),
-            ("sigma0", fit.structure.level_of_stiffness(*f_s, *f_c) / fit.shape.displacement),
+            ("sigma0", fit.structure.level_of_stiffness(f_s, *f_c) / fit.shape.displacement),
             ("sigma1", fit.estimates.value("sigma1").unwrap_or(0.0).max(0.0)),
             ("f_v", *f_v),
         ];
@@ -255,6 +256,24 @@ mod tests {
         assert!(!text.contains("backward"), "{text}");
         assert!((value(&text, "f_c") - 7.0).abs() < 0.3, "{text}");
     }
+
+    /// A bristle's stiffness was a third too low under a dip that follows at once; and zero, which no
+    /// file may hold, where the level at rest is held at zero.
+    #[test]
+    fn the_stiffness_is_that_of_the_level_where_the_axis_turns() {
+        let mut found = found("symmetric+stribeck+presliding");
+        let f_c = found.fit.estimates.value("f_c").unwrap();
+        for (lag, f_s, level) in
+            [(false, 1.5 * f_c, 1.5 * f_c), (false, 0.0, f_c), (true, 1.5 * f_c, f_c)]
+        {
+            found.fit.structure.lag = lag;
+            found.fit.estimates.get_mut("f_s").unwrap().value = f_s;
+            let text = render(&found, "axis.csv", AxisKind::Linear).unwrap();
+            let stiffness = level / found.fit.shape.displacement;
+            assert!((value(&text, "sigma0") / stiffness - 1.0).abs() < 1e-3, "{text}");
+        }
+    }
+
     /// The copied f_c was called `identified`, with the error of the f_s that was not written.
     #[test]
     fn a_copied_value_says_so() {
