@@ -135,19 +135,26 @@ pub(super) fn sampled(recording: &Conditioned, estimates: &mut Estimates) {
     }
 }
 
-/// A level at rest that is not above the kinetic one is no level at rest: nothing is known of that.
+/// A level at rest that is not above the kinetic one is no level at rest: nothing is known of that. A
+/// dip that one direction has and the other has not is none either.
 fn below(structure: &AxisStructure, estimates: &mut Estimates) {
+    let remedy = "slow motion: steady speeds below and around the dip";
+    let mut none = None;
     for &side in Side::of(structure.asymmetric) {
         let [f_s, f_c] = ["f_s", "f_c"].map(|name| ParameterId::new(name).side(side));
         let Some((low, high)) = estimates.value(f_s).zip(estimates.value(f_c)) else { continue };
-        if let Some(estimate) = estimates.get_mut(f_s)
-            && low <= high
-            && estimate.is_identified()
-        {
-            let remedy = "slow motion: steady speeds below and around the dip";
+        if low > high {
+            continue;
+        }
+        none = Some((f_s, f_c));
+        if let Some(estimate) = estimates.get_mut(f_s).filter(|estimate| estimate.is_identified()) {
             let doubt = Doubt::NoDip { rest: f_s, kinetic: f_c };
             estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
         }
+    }
+    if let Some((f_s, f_c)) = none.filter(|_| structure.asymmetric) {
+        let why = format!("{f_s} lies below {f_c}: one direction has no dip");
+        estimates.distrust_but(|id| !["f_s", "v_s"].contains(&id.name), &why, remedy);
     }
 }
 
@@ -203,6 +210,29 @@ mod tests {
         assert_eq!(doubt, Doubt::NoDip { rest: "f_s".into(), kinetic: "f_c".into() });
         assert!(doubt.to_string().starts_with("f_s lies below f_c"), "{doubt}");
         assert_eq!(verdict(0.45), Verdict::Identified);
+    }
+
+    /// Of a stranger's axis the forward level was refused so, and the backward one and v_s identified, a
+    /// quarter and six times off.
+    #[test]
+    fn a_dip_in_one_direction_only_is_none() {
+        let one = |name: &'static str, side, value| Estimate {
+            verdict: Verdict::Identified,
+            ..Estimate::given(ParameterId::new(name).side(side), "", value, "")
+        };
+        let (forward, backward) = (Side::Forward, Side::Backward);
+        let parameters = vec![
+            one("f_c", forward, 2.0),
+            one("f_c", backward, 2.0),
+            one("f_s", forward, 1.9),
+            one("f_s", backward, 2.2),
+            one("v_s", Side::Both, 0.1),
+        ];
+        let mut estimates = Estimates { parameters, ..Estimates::default() };
+        let structure = AxisStructure { stribeck: true, ..AxisStructure::ASYMMETRIC };
+        below(&structure, &mut estimates);
+        let known = estimates.parameters.iter().map(Estimate::is_identified);
+        assert_eq!(known.collect::<Vec<_>>(), [true, true, false, false, false]);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use super::profile;
 use super::regressors::Regressors;
 use super::search::{Best, Search};
 use super::shape::{PositionScale, Shape, ShapeTerm};
-use super::{AxisStructure, CrossValidation, at_bound, doubts, stability};
+use super::{AxisStructure, CrossValidation, alike, at_bound, doubts, stability};
 use crate::IdentError;
 use crate::adequacy::FitDoubt;
 use crate::conditioning::Conditioned;
@@ -250,7 +250,9 @@ fn fitted(
     profile::intervals(&mut search, &best, &whole, &rises, &mut estimates);
     doubts::judge(&structure, &mut estimates);
     stability::judge(&mut search, &best, &whole, &mut estimates);
+    let left = (solution.residual.norm_squared() / samples as f64).sqrt();
     doubts::sampled(search.regressors.recording, &mut estimates);
+    alike::judge(search.regressors.recording, &structure, scale, left, &mut estimates);
     at_bound::distrust(&terms, &search.limits, &best.shape, &mut estimates);
     if let Some(inertia) = estimates.parameters.first() {
         // One that the recording does not determine may come out on either side.
@@ -266,7 +268,7 @@ fn fitted(
         shape: best.shape,
         position_scale: scale,
         relative_error: 100.0 * squares.sqrt() / search.regressors.force.norm(),
-        residual_rms: (squares / samples as f64).sqrt(),
+        residual_rms: left,
         samples,
         effective_share: share,
         sliding: Vec::new(),

@@ -27,6 +27,7 @@
 //! sensor; a gain error of the force scale from all other forces at once (only ratios to the gain
 //! are known); the half sample that a held output adds to the delay from the drive's own.
 
+mod alike;
 mod at_bound;
 mod bristle;
 mod choice;
