@@ -54,7 +54,11 @@ impl Station {
             }
             checked.press = (*heard >= newest).then_some(newest);
         } else if rig.supervisor().state().moves() && !permitted {
-            rig.fault(Fault::PermissionWithdrawn, 0.0, 0.0);
+            // A node that leaves asks for rest right after; that a cycle came first is no fault.
+            let rests = self.permission.has_left() && rig.request(Request::Deactivate).is_ok();
+            if !rests {
+                rig.fault(Fault::PermissionWithdrawn, 0.0, 0.0);
+            }
         }
         checked
     }

@@ -583,6 +583,15 @@ fn no_order_of_stop_transitions_and_clearing_moves_the_motor_after_the_stops_ans
     assert!(!found.permission_withdrawn, "orderly transitions are no fault: {found:?}");
 }
 
+/// Ctrl-C ended a live run with a fault and exit code 1, where a cycle came between the node's leaving
+/// and its request for rest.
+#[test]
+fn a_node_that_leaves_while_its_motor_is_active_is_no_fault() {
+    let found = search(Budget { transitions: 3, stops: 1, leaves: 1, ..NONE });
+    println!("{found:?}");
+    assert!(found.moved && !found.permission_withdrawn, "{found:?}");
+}
+
 #[test]
 fn nor_with_a_fault_a_deaf_device_and_a_request_that_is_given_up() {
     for budget in [
