@@ -20,7 +20,6 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use crate::IdentError;
-use crate::adequacy::FitDoubt;
 use crate::axis_term::AxisTerm;
 use crate::conditioning::{Conditioned, Piece};
 use crate::least_squares::{self, Degenerate};
@@ -208,13 +207,12 @@ impl AxisFit {
 
     /// The friction that comes out below zero by more than its error, where any does: none drives the
     /// axis.
-    pub fn impossible(&self) -> Option<FitDoubt> {
+    pub fn impossible(&self) -> Option<AxisTerm> {
         let below = |estimate: &&TermEstimate| {
             let friction = estimate.term != AxisTerm::Inertia && !estimate.term.is_signed();
             friction && estimate.value < -2.0 * estimate.standard_error
         };
-        let estimate = self.terms.iter().find(below)?;
-        Some(FitDoubt::Impossible { id: estimate.term.name().into() })
+        self.terms.iter().find(below).map(|estimate| estimate.term)
     }
 
     /// The estimate of a term, if the model has it.

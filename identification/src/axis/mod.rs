@@ -222,7 +222,9 @@ pub fn identify(
             adequacy::elsewhere(fit.relative_error, size * size, there)
         });
         let whole = adequacy::doubts(&model.estimation, &estimation).into_iter().chain(fails);
-        let whole = whole.chain(model.fit.impossible());
+        let impossible = model.fit.impossible();
+        let whole =
+            whole.chain(impossible.map(|term| FitDoubt::Impossible { id: term.name().into() }));
         let whole: Vec<FitDoubt> = whole.collect();
         let more = if settings.structured { "" } else { " --structure auto offers more." };
         let condemned = too_fast.is_some() || whole.iter().any(FitDoubt::condemns);
