@@ -111,8 +111,8 @@ pub(super) fn sampled(recording: &Conditioned, estimates: &mut Estimates) {
         |estimate: &Estimate| estimate.interval.map_or(f64::NEG_INFINITY, |interval| interval.low);
     let Some(bristle) = estimates.get("presliding") else { return };
     let (bends, least) = (bristle.value, low(bristle));
-    if least < recording.step {
-        let why = "the bristle bends by less than one step of the encoder";
+    if recording.step > 0.0 && least < recording.step {
+        let why = "the bristle may bend by less than one step of the encoder";
         estimates.distrust_but(|id| id.name != "presliding", why, FINER);
     }
     let known = estimates.get("presliding").is_some_and(Estimate::is_identified);

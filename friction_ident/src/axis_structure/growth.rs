@@ -165,6 +165,26 @@ mod tests {
         }
     }
 
+    /// All that the search compares where the errors are these.
+    fn grown(
+        possible: impl Fn(&AxisStructure) -> bool,
+        error: impl Fn(&AxisStructure) -> f64,
+    ) -> Vec<CrossValidation> {
+        let mut scores = Vec::new();
+        loop {
+            let wanted = next(&scores, &[], &possible);
+            if wanted.is_empty() {
+                return scores;
+            }
+            scores.extend(wanted.iter().map(|structure| score(*structure, error(structure))));
+        }
+    }
+
+    fn best_of(scores: &[CrossValidation]) -> AxisStructure {
+        let best = scores.iter().min_by(|a, b| a.relative_error.total_cmp(&b.relative_error));
+        best.unwrap().structure
+    }
+
     /// Of each part what it takes off the error; two of them only together.
     fn error(structure: &AxisStructure) -> f64 {
         let gain = |has: bool, gain: f64| if has { gain } else { 0.0 };
@@ -176,16 +196,8 @@ mod tests {
 
     #[test]
     fn it_finds_the_parts_that_help_and_tries_far_fewer_than_there_are() {
-        let mut scores = Vec::new();
-        loop {
-            let wanted = next(&scores, &[], |_| true);
-            if wanted.is_empty() {
-                break;
-            }
-            scores.extend(wanted.iter().map(|structure| score(*structure, error(structure))));
-        }
-        let best = scores.iter().min_by(|a, b| a.relative_error.total_cmp(&b.relative_error));
-        let found = best.unwrap().structure;
+        let scores = grown(|_| true, error);
+        let found = best_of(&scores);
         assert!(found.gravity && found.presliding && found.stribeck, "{found}");
         assert!(!found.position && !found.harmonic && !found.asymmetric, "{found}");
         assert!(scores.len() < 60, "{}", scores.len());
@@ -222,16 +234,7 @@ mod tests {
             let AxisStructure { presliding, stribeck, damping, .. } = *structure;
             10.0 - gain(presliding, 5.0) - gain(presliding && stribeck && damping, 1.0)
         };
-        let mut scores: Vec<CrossValidation> = Vec::new();
-        loop {
-            let wanted = next(&scores, &[], |structure| !structure.needs_position());
-            if wanted.is_empty() {
-                break;
-            }
-            scores.extend(wanted.iter().map(|structure| score(*structure, error(structure))));
-        }
-        let best = scores.iter().min_by(|a, b| a.relative_error.total_cmp(&b.relative_error));
-        let found = best.unwrap().structure;
+        let found = best_of(&grown(|structure| !structure.needs_position(), error));
         assert!(found.stribeck && found.damping, "{found}");
     }
 
@@ -277,16 +280,7 @@ mod tests {
                 - gain(harmonic && lag, 1.0)
                 + gain(lag && !harmonic, 0.1)
         };
-        let mut scores: Vec<CrossValidation> = Vec::new();
-        loop {
-            let wanted = next(&scores, &[], |_| true);
-            if wanted.is_empty() {
-                break;
-            }
-            scores.extend(wanted.iter().map(|structure| score(*structure, error(structure))));
-        }
-        let best = scores.iter().min_by(|a, b| a.relative_error.total_cmp(&b.relative_error));
-        let found = best.unwrap().structure;
+        let found = best_of(&grown(|_| true, error));
         assert!(found.lag && found.harmonic, "{found}");
     }
 

@@ -40,10 +40,12 @@ impl Conditioned {
     /// # Errors
     /// [`IdentError::TooFewSamples`] where no motion between two rests is long enough.
     pub fn moving(self) -> Result<(Self, f64), IdentError> {
-        let mut motion = self.between(&self.rests(false), LEAST_ROWS);
+        let mut rests = self.rests();
+        let mut motion = self.between(&rests, LEAST_ROWS);
         let mut sticking = false;
         if self.sticks.contains(&true) {
-            let without = self.between(&self.rests(true), LEAST_ROWS_BETWEEN_STICKS);
+            rests.iter_mut().zip(&self.sticks).for_each(|(rest, sticks)| *rest |= sticks);
+            let without = self.between(&rests, LEAST_ROWS_BETWEEN_STICKS);
             if without.samples() as f64 >= LEAST_LEFT * motion.samples() as f64 {
                 (motion, sticking) = (without, true);
             }
@@ -84,8 +86,8 @@ impl Conditioned {
         THINNING_PADDING.max(rows * self.decimate) + 1
     }
 
-    /// Which samples are those of rest, those of short sticks among them or not.
-    fn rests(&self, short: bool) -> Vec<bool> {
+    /// Which samples are those of rest, by the velocity.
+    fn rests(&self) -> Vec<bool> {
         let mut all = vec![false; self.velocity.len()];
         for piece in &self.pieces {
             let velocity = self.velocity.get(piece.kept.clone()).unwrap_or_default();
@@ -95,9 +97,6 @@ impl Conditioned {
             for (k, at_rest) in own.iter_mut().enumerate() {
                 *at_rest = rest.get(k / self.stride).copied().unwrap_or(false);
             }
-        }
-        if short {
-            all.iter_mut().zip(&self.sticks).for_each(|(rest, sticks)| *rest |= sticks);
         }
         all
     }

@@ -598,6 +598,7 @@ fn nor_with_a_fault_a_deaf_device_and_a_request_that_is_given_up() {
         Budget { transitions: 3, stops: 1, clears: 1, faults: 1, give_ups: 1, ..NONE },
         Budget { transitions: 3, stops: 1, clears: 1, deaf: 1, give_ups: 1, ..NONE },
         Budget { transitions: 3, stops: 1, give_ups: 2, leaves: 1, ..NONE },
+        Budget { transitions: 3, stops: 1, deaf: 1, leaves: 1, ..NONE },
     ] {
         let found = search(budget);
         println!("{budget:?}: {found:?}");
