@@ -30,6 +30,31 @@ fn follows_a_curved_valley() {
     }
 }
 
+/// What is asked for alone is found with fewer residuals, as near as the patience asks.
+#[test]
+fn the_lowest_point_alone_costs_less() {
+    let patience = Patience { sum: 1e-5, ..Patience::default() };
+    let cost = |alone: bool| {
+        let mut asked = 0;
+        let mut problem = Curve(9, |x: &[f64], i| {
+            asked += usize::from(i == 0);
+            (x[0] * i as f64).exp() - 2.0 - 0.1 * (i % 3) as f64
+        });
+        let bounds = [Bound::free(1.0)];
+        let x = match alone {
+            true => lowest(&mut problem, &[0.0], &bounds, &patience).unwrap(),
+            false => {
+                let go = &mut |_: &Step| ControlFlow::Continue(());
+                minimise(&mut problem, &[0.0], &bounds, &patience, go).unwrap().x
+            }
+        };
+        (x[0], asked)
+    };
+    let ((alone, fewer), (whole, more)) = (cost(true), cost(false));
+    assert!((alone - whole).abs() < 1e-3 * whole.abs(), "{alone} {whole}");
+    assert!(fewer < more, "{fewer} {more}");
+}
+
 /// With x0 <= 0.5 the best point of the valley is (0.5, 0.25).
 #[test]
 fn stops_at_a_bound_and_says_so() {
