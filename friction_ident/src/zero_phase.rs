@@ -12,6 +12,7 @@
 
 use std::f64::consts::PI;
 
+use friction_lanes::elementary::mul_add;
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::IdentError;
@@ -20,6 +21,9 @@ use crate::IdentError;
 /// 1 kHz would then not stay in the second cache.
 pub(crate) const LANES: usize = 4;
 
+/// Samples that are brought into the lanes, and out of them, before the next lane's are.
+const PIECE: usize = 256;
+
 /// A digital low-pass of gain one at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LowPass {
@@ -27,10 +31,11 @@ pub struct LowPass {
     order: usize,
 }
 
-/// One second-order section, `y = (b0 + b1/z + b2/z^2) / (1 + a1/z + a2/z^2) u`.
+/// One second-order section, `y = gain (1 + b1/z + b2/z^2) / (1 + a1/z + a2/z^2) u`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Section {
-    b: [f64; 3],
+    gain: f64,
+    b: [f64; 2],
     a: [f64; 2],
 }
 
@@ -92,10 +97,10 @@ impl LowPass {
                 let real = (1.0 - re.powi(2) - im.powi(2)) / denominator;
                 if 2 * k + 1 == order {
                     let gain = (1.0 - real) / 2.0;
-                    Section { b: [gain, gain, 0.0], a: [-real, 0.0] }
+                    Section { gain, b: [1.0, 0.0], a: [-real, 0.0] }
                 } else {
                     let gain = (1.0 - 2.0 * real + magnitude) / 4.0;
-                    Section { b: [gain, 2.0 * gain, gain], a: [-2.0 * real, magnitude] }
+                    Section { gain, b: [2.0, 1.0], a: [-2.0 * real, magnitude] }
                 }
             })
             .collect();
@@ -132,21 +137,10 @@ impl LowPass {
         Ok(filtered)
     }
 
-    /// Up to `L` signals; the lanes that are left over do the first one again.
+    /// Up to `L` signals; the lanes that are left over stay zero.
     fn in_lanes<const L: usize>(&self, few: &[&[f64]]) -> Result<Vec<Vec<f64>>, IdentError> {
-        let first = few.first().copied().unwrap_or_default();
-        let signals = std::array::from_fn(|lane| few.get(lane).copied().unwrap_or(first));
-        let mut filtered = self.side_by_side::<L>(signals)?;
-        filtered.truncate(few.len());
-        Ok(filtered)
-    }
-
-    fn side_by_side<const L: usize>(
-        &self,
-        signals: [&[f64]; L],
-    ) -> Result<Vec<Vec<f64>>, IdentError> {
         let pad = self.padding();
-        let n = signals.iter().map(|signal| signal.len()).min().unwrap_or(0);
+        let n = few.iter().map(|signal| signal.len()).min().unwrap_or(0);
         if n <= pad {
             return Err(IdentError::TooFewSamples {
                 what: "the zero-phase low-pass",
@@ -155,36 +149,53 @@ impl LowPass {
                 lower: Some("the filter order"),
             });
         }
-        let at = |i: usize| signals.map(|signal| signal[i]);
-        let beyond = |end: usize, i: usize| signals.map(|signal| 2.0 * signal[end] - signal[i]);
-        let mut extended = Vec::with_capacity(n + 2 * pad);
-        extended.extend((1..=pad).rev().map(|i| beyond(0, i)));
-        extended.extend((0..n).map(at));
-        extended.extend((1..=pad).map(|i| beyond(n - 1, n - 1 - i)));
-        self.pass(&mut extended);
-        extended.reverse();
-        self.pass(&mut extended);
-        let mut filtered = vec![vec![0.0; n]; L];
-        for (k, values) in extended.iter().rev().skip(pad).take(n).enumerate() {
-            for (signal, value) in filtered.iter_mut().zip(values) {
-                signal[k] = *value;
+        let mut extended = vec![[0.0; L]; n + 2 * pad];
+        let (before, inner) = extended.split_at_mut(pad);
+        let (inner, after) = inner.split_at_mut(n);
+        for (lane, signal) in few.iter().enumerate() {
+            let (first, last) = (2.0 * signal[0], 2.0 * signal[n - 1]);
+            let starts = before.iter_mut().rev().zip(&signal[1..]);
+            starts.for_each(|(to, from)| to[lane] = first - from);
+            let ends = after.iter_mut().zip(signal[..n - 1].iter().rev());
+            ends.for_each(|(to, from)| to[lane] = last - from);
+        }
+        // Piece by piece, so that what the lanes share stays in the first cache.
+        for (k, piece) in inner.chunks_mut(PIECE).enumerate() {
+            for (lane, signal) in few.iter().enumerate() {
+                let own = piece.iter_mut().zip(&signal[k * PIECE..]);
+                own.for_each(|(to, from)| to[lane] = *from);
+            }
+        }
+        // By fours and fewer: more sections do not fit the registers.
+        for sections in self.sections.chunks(4) {
+            pass(sections, extended.first().copied(), extended.iter_mut());
+        }
+        for sections in self.sections.chunks(4) {
+            pass(sections, extended.last().copied(), extended.iter_mut().rev());
+        }
+        let mut filtered: Vec<Vec<f64>> = few.iter().map(|_| Vec::with_capacity(n)).collect();
+        for piece in extended[pad..pad + n].chunks(PIECE) {
+            for (lane, to) in filtered.iter_mut().enumerate() {
+                to.extend(piece.iter().map(|values| values[lane]));
             }
         }
         Ok(filtered)
     }
+}
 
-    /// One pass in place. Sections are taken by fours and fewer: more do not fit the registers.
-    fn pass<const L: usize>(&self, signals: &mut [[f64; L]]) {
-        let arch = Arch::new();
-        for sections in self.sections.chunks(4) {
-            match *sections {
-                [a] => arch.dispatch(Pass { sections: [a], signals }),
-                [a, b] => arch.dispatch(Pass { sections: [a, b], signals }),
-                [a, b, c] => arch.dispatch(Pass { sections: [a, b, c], signals }),
-                [a, b, c, d] => arch.dispatch(Pass { sections: [a, b, c, d], signals }),
-                _ => {}
-            }
-        }
+/// One pass of up to four sections in place, from the steady state of the first sample on.
+fn pass<'s, const L: usize>(
+    sections: &[Section],
+    first: Option<[f64; L]>,
+    signals: impl Iterator<Item = &'s mut [f64; L]>,
+) {
+    let (arch, first) = (Arch::new(), first.unwrap_or([0.0; L]));
+    match *sections {
+        [a] => arch.dispatch(Pass { sections: [a], first, signals }),
+        [a, b] => arch.dispatch(Pass { sections: [a, b], first, signals }),
+        [a, b, c] => arch.dispatch(Pass { sections: [a, b, c], first, signals }),
+        [a, b, c, d] => arch.dispatch(Pass { sections: [a, b, c, d], first, signals }),
+        _ => {}
     }
 }
 
@@ -192,41 +203,71 @@ impl LowPass {
 /// sample. All `N` sections take a sample before the next one comes: that is several times faster than
 /// one section after the other, because they then do not wait for themselves. How many sections there
 /// are is known to the compiler, so that their states stay in registers: four times as fast again.
-struct Pass<'a, const N: usize, const L: usize> {
+/// The gains of the sections are taken together, which spares each a product.
+struct Pass<I, const N: usize, const L: usize> {
     sections: [Section; N],
-    signals: &'a mut [[f64; L]],
+    first: [f64; L],
+    signals: I,
 }
 
-impl<const N: usize, const L: usize> WithSimd for Pass<'_, N, L> {
-    type Output = ();
-
+impl<'s, I: Iterator<Item = &'s mut [f64; L]>, const N: usize, const L: usize> Pass<I, N, L> {
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { sections, signals } = self;
-        let start = signals.first().copied().unwrap_or([0.0; L]);
-        let mut states = [[[0.0; L]; 2]; N];
-        for (Section { b, a }, [s1, s2]) in sections.iter().zip(&mut states) {
-            for lane in 0..L {
-                s2[lane] = (b[2] - a[1]) * start[lane];
-                s1[lane] = (b[1] - a[0]) * start[lane] + s2[lane];
-            }
-        }
+    fn run<const FUSED: bool>(self) {
+        let Self { sections, first, signals } = self;
+        let gain: f64 = sections.iter().map(|section| section.gain).product();
+        let mut states = steady(&sections, first.map(|value| gain * value));
         for values in signals {
-            let mut input = *values;
-            for (Section { b, a }, [s1, s2]) in sections.iter().zip(&mut states) {
+            let mut input = values.map(|value| gain * value);
+            for (Section { b, a, .. }, [s1, s2]) in sections.iter().zip(&mut states) {
                 let mut output = [0.0; L];
                 for lane in 0..L {
-                    output[lane] = b[0] * input[lane] + s1[lane];
+                    output[lane] = input[lane] + s1[lane];
                 }
                 for lane in 0..L {
-                    s1[lane] = b[1] * input[lane] - a[0] * output[lane] + s2[lane];
+                    let fresh = mul_add::<FUSED>(b[0], input[lane], s2[lane]);
+                    s1[lane] = mul_add::<FUSED>(-a[0], output[lane], fresh);
                 }
                 for lane in 0..L {
-                    s2[lane] = b[2] * input[lane] - a[1] * output[lane];
+                    s2[lane] = mul_add::<FUSED>(-a[1], output[lane], b[1] * input[lane]);
                 }
                 input = output;
             }
             *values = input;
+        }
+    }
+}
+
+/// The states in which sections rest at a constant input.
+#[inline(always)]
+fn steady<const N: usize, const L: usize>(
+    sections: &[Section; N],
+    mut input: [f64; L],
+) -> [[[f64; L]; 2]; N] {
+    let mut states = [[[0.0; L]; 2]; N];
+    for (Section { b, a, .. }, [s1, s2]) in sections.iter().zip(&mut states) {
+        let at_rest = (1.0 + b[0] + b[1]) / (1.0 + a[0] + a[1]);
+        for lane in 0..L {
+            let output = at_rest * input[lane];
+            s2[lane] = b[1] * input[lane] - a[1] * output;
+            s1[lane] = b[0] * input[lane] - a[0] * output + s2[lane];
+            input[lane] = output;
+        }
+    }
+    states
+}
+
+impl<'s, I: Iterator<Item = &'s mut [f64; L]>, const N: usize, const L: usize> WithSimd
+    for Pass<I, N, L>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        // The processors with four lanes or more, and those of ARM, fuse a product with a sum.
+        if S::F64_LANES >= 4 || cfg!(target_arch = "aarch64") {
+            self.run::<true>();
+        } else {
+            self.run::<false>();
         }
     }
 }

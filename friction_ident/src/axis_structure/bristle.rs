@@ -54,11 +54,25 @@ impl Lag {
 }
 
 impl Bristle {
+    /// Nothing yet, with room for every sample of a recording.
+    fn with_room(recording: &Conditioned, damping: bool) -> Self {
+        let room = || Vec::with_capacity(recording.velocity.len());
+        let rate = || if damping { room() } else { Vec::new() };
+        Self {
+            sign: room(),
+            sign_slope: room(),
+            rate: rate(),
+            rate_slope: rate(),
+            left: room(),
+            left_slope: room(),
+        }
+    }
+
     /// The deflection over its limit of Dahl's (1968) bristle, `z' = (v - |v| z) / displacement`,
     /// solved exactly along the [`legs`] between two samples, its mean rate around each, and their
     /// derivatives with respect to the displacement. It keeps its deflection while the axis stands.
     pub fn dahl(recording: &Conditioned, displacement: f64, damping: bool) -> Self {
-        let mut made = Self::default();
+        let mut made = Self::with_room(recording, damping);
         let step = |[z, slope, left, left_slope]: [f64; 4], v: f64, dt: f64| {
             let limit = v.signum();
             let way = v.abs() * dt / displacement;
@@ -91,8 +105,10 @@ impl Bristle {
     /// legs, each with its mean velocity, with its derivatives. It begins as Dahl's does.
     pub fn lugre(recording: &Conditioned, shape: &Shape, damping: bool) -> (Self, Lag) {
         let &Shape { v_s, displacement, ratio, damped, .. } = shape;
-        let mut made = Self::default();
-        let mut lag = Lag { ratio, damped, ..Lag::default() };
+        let mut made = Self::with_room(recording, damping);
+        let [by_ratio, by_velocity] =
+            [(); 2].map(|()| Vec::with_capacity(recording.velocity.len()));
+        let mut lag = Lag { ratio, damped, by_ratio, by_velocity, ..Lag::default() };
         // The deflection and its derivatives: displacement, ratio, Stribeck velocity. Then what is left
         // of the start and its derivative with respect to the displacement.
         let step = |[z, by_displacement, by_ratio, by_velocity, start, start_slope]: [f64; 6],

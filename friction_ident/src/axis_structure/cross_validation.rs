@@ -22,7 +22,7 @@ use crate::statistics::Sample;
 
 /// Share of the sum of squares by which a search must still fall to go on: structures differ by far
 /// more.
-const ENOUGH: f64 = 1e-5;
+pub(super) const ENOUGH: f64 = 1e-5;
 /// The same share that a step in place of a search may leave over.
 const OVER: f64 = 1e-3;
 /// Rows on each side of a block that take no part in its fit: the length of the anti-alias

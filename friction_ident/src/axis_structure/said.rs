@@ -1,5 +1,6 @@
 //! What another fit says of the parameters of a structure.
 
+use super::cross_validation::ENOUGH;
 use super::naming::{AxisUnits, unknowns};
 use super::search::{Best, Search};
 use super::shape::{PositionScale, ShapeTerm};
@@ -14,6 +15,8 @@ pub(super) struct Said {
 }
 
 impl Said {
+    /// Those of a structure that was cross-validated on a recording: its search ended there, as near
+    /// as it has to be, and goes on only where this is another one.
     pub fn of(
         recording: &Conditioned,
         rival: &CrossValidation,
@@ -21,7 +24,7 @@ impl Said {
     ) -> Option<Self> {
         let structure = rival.structure;
         let mut search = Search::new(recording, structure, scale).ok()?;
-        let Best { solution, shape } = search.from(rival.shape, &[]).ok()?;
+        let Best { solution, shape } = search.closer(rival.shape, &[], ENOUGH).ok()?;
         let nonlinear = ShapeTerm::of(&structure).into_iter().map(|term| term.value(&shape));
         let values = solution.x.iter().copied().chain(nonlinear);
         let ids = unknowns(&structure, &AxisUnits::LINEAR).into_iter().map(|unknown| unknown.id);
