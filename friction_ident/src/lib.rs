@@ -112,7 +112,7 @@ pub mod zero_phase;
 pub use axis_term::AxisTerm;
 pub use bounded::Ending;
 pub use conditioning::{
-    Conditioned, Conditioning, Differences, Signals, condition, condition_stretches,
+    Conditioned, Conditioning, Differences, Rest, Signals, condition, condition_stretches,
 };
 pub use error::IdentError;
 pub use estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Unknown, Verdict};

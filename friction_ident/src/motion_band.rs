@@ -382,7 +382,7 @@ mod tests {
             Signals { time_step: dt, position: Some(&position), velocity: None, force: &force };
         let how = Conditioning::for_motion(dt, &[signals]);
         let (moving, rest) = condition(&signals, &how).unwrap().moving().unwrap();
-        assert!(rest > 10.0 && rest < 25.0, "{rest} s, {how:?}");
+        assert!(rest.out > 10.0 && rest.out < 25.0, "{rest:?}, {how:?}");
         let fit = fit_axis(&moving, AxisModel::SYMMETRIC).unwrap();
         let found = fit.value(crate::axis_term::AxisTerm::Coulomb);
         assert!((found / 0.5 - 1.0).abs() < 0.15, "{found}, {how:?}");

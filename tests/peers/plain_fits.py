@@ -1,6 +1,6 @@
 """What an engineer with SciPy would do in an afternoon: the same recording, the usual filter, three models, scored on the part kept back.
 
-Reads jobs as a JSON list from standard input: folder, cutoff_hz, acceleration_cutoff_hz, order, trim, decimate, stretches. In each folder are `estimation.csv` and `validation.csv` with the columns time, q, (dq), tau. Prints a JSON list: for each
+Reads jobs as a JSON list from standard input: folder, cutoff_hz, acceleration_cutoff_hz, order, trim, decimate, stretches, elsewhere (the same filter settings for the validation part). In each folder are `estimation.csv` and `validation.csv` with the columns time, q, (dq), tau. Prints a JSON list: for each
 job the relative error of the torque in the validation part, in per cent, of least squares (inertia, viscous and Coulomb friction, offset), of Dahl's model and of LuGre's beside the same inertia and offset; with `gravity` in the job, of the same with a sin q + b cos q besides. Only the stretches of that part count that are named [s]: at rest, what a model says is no prediction.
 """
 
@@ -87,28 +87,29 @@ def score(tau, predicted, moves):
 def plain(job):
     tables = [read(f"{job['folder']}/{name}.csv") for name in ("estimation", "validation")]
     h = float(np.median(np.diff(tables[0]["time"])))
-    parts = [condition(table, job, h) for table in tables]
-    errors = fits(job, h, parts, False)
+    hows = job, job | (job.get("elsewhere") or {})
+    parts = [condition(table, how, h) for table, how in zip(tables, hows)]
+    errors = fits(hows, h, parts, False)
     if job.get("gravity"):
-        errors |= {f"{name} with gravity": error for name, error in fits(job, h, parts, True).items()}
+        errors |= {f"{name} with gravity": error for name, error in fits(hows, h, parts, True).items()}
     return {name: float(error) for name, error in errors.items() if np.isfinite(error)}
 
 
-def fits(job, h, parts, gravity):
-    factor = job["decimate"]
+def fits(hows, h, parts, gravity):
+    (factor, factor2), there = [how["decimate"] for how in hows], hows[1]
     (v, a, tau, weight), (v2, a2, tau2, weight2) = parts
-    y, y2 = thin(tau, factor), thin(tau2, factor)
-    step = factor * h
-    moves = inside(job["trim"] * h + step * np.arange(y2.size), job["stretches"], step)
+    y, y2 = thin(tau, factor), thin(tau2, factor2)
+    step = factor2 * h
+    moves = inside(there["trim"] * h + step * np.arange(y2.size), there["stretches"], step)
 
-    def others(v, a, weight):
+    def others(v, a, weight, factor):
         columns = [a, v, np.ones_like(v)] + (weight if gravity else [])
         return np.column_stack([thin(column, factor) for column in columns])
 
-    fixed, fixed2 = others(v, a, weight), others(v2, a2, weight2)
+    fixed, fixed2 = others(v, a, weight, factor), others(v2, a2, weight2, factor2)
     errors = {}
     theta = linear([fixed, thin(np.sign(v), factor)], y)
-    errors["least squares"] = score(y2, np.column_stack([fixed2, thin(np.sign(v2), factor)]) @ theta, moves)
+    errors["least squares"] = score(y2, np.column_stack([fixed2, thin(np.sign(v2), factor2)]) @ theta, moves)
     f_c = max(abs(theta[-1]), 1e-9)
     travel = np.ptp(np.cumsum(v) * h)
     speed = np.sqrt(np.mean(v**2))
@@ -124,7 +125,7 @@ def fits(job, h, parts, gravity):
             return np.inf  # it left the finite numbers
         p = np.exp(found.x)
         theta = linear([fixed], y - thin(force(v, p), factor))
-        error = score(y2, fixed2 @ theta + thin(force(v2, p), factor), moves)
+        error = score(y2, fixed2 @ theta + thin(force(v2, p), factor2), moves)
         return error if np.isfinite(error) else np.inf
 
     errors["Dahl"] = fit(lambda v, p: dahl(v, h, p[0], p[1]), [f_c, 100.0 * f_c / travel])

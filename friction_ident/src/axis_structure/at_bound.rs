@@ -13,6 +13,8 @@ const COMES_LATE: &str = "a force that is recorded earlier in its chain, before 
 const GRADUAL: &str = "motion over more of the travel: friction rises over as much of it as the search allows, a tenth";
 const FINE: &str = "slow motion over less of the travel: the force repeats after less than the search allows, a two-hundredth of it";
 
+const LONG: &str = "motion over more of the travel: the force repeats over more of it than the search allows, if it repeats at all";
+
 /// Puts that beside each of `estimates`, those of `terms`, whose best value is a bound itself.
 pub(super) fn remedies(terms: &[ShapeTerm], limits: &Limits, estimates: &mut [Estimate]) {
     for (term, estimate) in terms.iter().zip(estimates) {
@@ -29,6 +31,9 @@ pub(super) fn remedies(terms: &[ShapeTerm], limits: &Limits, estimates: &mut [Es
 const AT: f64 = 1e-6;
 /// What goes into one another where a dip has no end.
 const CURVE: [&str; 3] = ["f_v", "f_c", "f_s"];
+
+/// What a wave that is half a bow takes of, beside the forces along the axis.
+const LEVELS: [&str; 2] = ["f_c", "f_s"];
 
 /// Says of the other parameters that they take what a parameter at its bound leaves over: inertia
 /// and friction that of a force that comes later still, the friction curve that of a broader dip, the
@@ -56,6 +61,12 @@ pub(super) fn distrust(
                 let other = |id: ParameterId| !CURVE.contains(&id.name);
                 let why = "the dip is as broad as the search allows: the levels and the viscous friction take of one another";
                 estimates.distrust_but(other, why, BROAD);
+            }
+            ShapeTerm::Period if upper => {
+                let load = |id: ParameterId| SIGNED.contains(&id.name) || LEVELS.contains(&id.name);
+                let why = "the wave is as long as the search allows, twice the travel: it, a weight, a spring, a constant force and friction \
+                           that changes along the axis go into one another";
+                estimates.distrust_but(|id| !load(id), why, LONG);
             }
             // How deep a narrow dip is, and how narrow, go into one another.
             ShapeTerm::StribeckVelocity
@@ -115,6 +126,27 @@ mod tests {
         };
         assert_eq!(identified(limits.high), ["inertia", "offset", "v_s"]);
         assert_eq!(identified(limits.low), ["inertia", "f_v", "offset", "f_c", "v_s"]);
+    }
+
+    /// A stranger's weak spring came out as a wave of half a turn, a weight, a spring of 85 times its
+    /// size and friction of each direction, all identified.
+    #[test]
+    fn a_wave_as_long_as_the_search_allows_leaves_no_forces_along_the_axis() {
+        let limits = Limits::of(&stribeck_axis());
+        let structure = "asymmetric+gravity+position+harmonic".parse().unwrap();
+        let names = unknowns(&structure, &AxisUnits::ROTARY);
+        let identified = |shape: Shape| {
+            let of = |id: ParameterId, unit| Estimate::given(id, unit, 1.0, "");
+            let mut parameters: Vec<Estimate> =
+                names.iter().map(|unknown| of(unknown.id, unknown.unit)).collect();
+            parameters.iter_mut().for_each(|estimate| estimate.verdict = Verdict::Identified);
+            let mut estimates = Estimates { parameters, ..Estimates::default() };
+            distrust(&ShapeTerm::of(&structure), &limits, &shape, &mut estimates);
+            let left = estimates.parameters.into_iter().filter(Estimate::is_identified);
+            left.map(|estimate| estimate.id.name).collect::<Vec<_>>()
+        };
+        assert_eq!(identified(limits.high), ["inertia", "f_v", "f_v", "period"]);
+        assert_eq!(identified(limits.start()).len(), names.len());
     }
 
     /// A dip that is too broad was told to move slowly, and a force that lags to be sampled faster.

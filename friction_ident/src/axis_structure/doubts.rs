@@ -8,6 +8,9 @@ use crate::parameter_id::{ParameterId, Side};
 /// Standard errors that an effect must be clear of zero by.
 const CLEAR: f64 = 2.0;
 
+/// The parts of a wave along the axis.
+const WAVE: [&str; 2] = ["harmonic_cos", "harmonic_sin"];
+
 /// Parameters that may have either sign.
 pub(super) const SIGNED: [&str; 8] = [
     "offset",
@@ -179,10 +182,39 @@ fn doubt(estimates: &mut Estimates, name: &'static str, doubt: Doubt, remedy: &'
     }
 }
 
+/// Of a wave whose period is not known neither is how large it is: another one may be in its place.
+pub(super) fn of_a_wave(estimates: &mut Estimates) {
+    if estimates.get("period").is_none_or(Estimate::is_identified) {
+        return;
+    }
+    let why = "the period is not known: how large the wave is hangs on it";
+    let remedy = "motion over more periods, slowly";
+    estimates.distrust_but(|id| !WAVE.contains(&id.name), why, remedy);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::estimate::{Interval, IntervalMethod};
+
+    /// A stranger's axis without a ripple had one, its size identified, whose period was any.
+    #[test]
+    fn a_wave_of_unknown_period_has_no_known_size() {
+        let verdicts = |period: Verdict| {
+            let one = |name: &'static str| Estimate::given(ParameterId::new(name), "N m", 1.0, "");
+            let mut parameters: Vec<Estimate> =
+                ["inertia", "harmonic_cos", "harmonic_sin", "period"].map(one).to_vec();
+            parameters.iter_mut().for_each(|estimate| estimate.verdict = Verdict::Identified);
+            parameters[3].verdict = period;
+            let mut estimates = Estimates { parameters, ..Estimates::default() };
+            of_a_wave(&mut estimates);
+            estimates.parameters.iter().map(Estimate::is_identified).collect::<Vec<_>>()
+        };
+        assert_eq!(verdicts(Verdict::Identified), [true; 4]);
+        let unknown = Doubt::AtBound { bound: 1.0 };
+        let unknown = Verdict::NotIdentifiable { doubt: unknown, remedy: "" };
+        assert_eq!(verdicts(unknown), [true, false, false, false]);
+    }
 
     /// A level at rest of 0.358 was called identified, below a kinetic level of 0.405.
     #[test]

@@ -254,6 +254,7 @@ fn fitted(
     doubts::sampled(search.regressors.recording, &mut estimates);
     alike::judge(search.regressors.recording, &structure, scale, left, &mut estimates);
     at_bound::distrust(&terms, &search.limits, &best.shape, &mut estimates);
+    doubts::of_a_wave(&mut estimates);
     if let Some(inertia) = estimates.parameters.first() {
         // One that the recording does not determine may come out on either side.
         let standard_error = inertia.standard_error.unwrap_or(0.0);

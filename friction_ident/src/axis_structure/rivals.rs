@@ -59,6 +59,7 @@ impl StructureFit {
         let listed = |id: ParameterId| self.curved.iter().any(|(own, _)| *own == id);
         let straight = |id: ParameterId| STRAIGHT.contains(&id.name) && listed(id);
         self.estimates.distrust_but(|id| !straight(id), CURVED, SPEEDS);
+        doubts::of_a_wave(&mut self.estimates);
     }
 
     /// Widens the interval of the displacement to what it would be where the bristle's limit lags: the

@@ -23,5 +23,6 @@ mod tests;
 pub use conditioned::Conditioned;
 pub(crate) use conditioned::Piece;
 pub use filter::{Signals, condition};
+pub use rests::Rest;
 pub use settings::{Conditioning, Differences};
 pub use stretches::condition_stretches;

@@ -11,7 +11,19 @@ const LEAST_ROWS: usize = 8;
 const LEAST_ROWS_BETWEEN_STICKS: usize = 4;
 
 /// Share of the motion that must be left where short sticks are left out too.
-const LEAST_LEFT: f64 = 0.5;
+const LEAST_LEFT: f64 = 0.25;
+
+/// For how long a recording stands still.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Rest {
+    /// Time that is left out \[s\].
+    pub out: f64,
+    /// What of it are short sticks that an encoder shows, with what the low-pass spreads of them and
+    /// the motion between two that is too short to be of use \[s\].
+    pub sticks: f64,
+    /// Time of short sticks that stays in, because too little motion would be left between them \[s\].
+    pub kept: f64,
+}
 
 /// What is left of a recording without its rests.
 struct Motion {
@@ -29,7 +41,7 @@ impl Motion {
 }
 
 impl Conditioned {
-    /// The recording without the time in which it stands still, and how long that was \[s\].
+    /// The recording without the time in which it stands still, and how long that was.
     ///
     /// At rest the sign of the velocity is that of its noise, and friction is whatever is applied: a
     /// regression on it is ruined. Rest is told from motion after the low-pass, at twice its cutoff,
@@ -39,21 +51,25 @@ impl Conditioned {
     ///
     /// # Errors
     /// [`IdentError::TooFewSamples`] where no motion between two rests is long enough.
-    pub fn moving(self) -> Result<(Self, f64), IdentError> {
+    pub fn moving(self) -> Result<(Self, Rest), IdentError> {
         let mut rests = self.rests();
         let mut motion = self.between(&rests, LEAST_ROWS);
-        let mut sticking = false;
+        let (mut sticking, mut rest) = (false, Rest::default());
         if self.sticks.contains(&true) {
+            let only = rests.iter().zip(&self.sticks).filter(|(rest, sticks)| **sticks && !**rest);
+            rest.kept = only.count() as f64 * self.time_step;
             rests.iter_mut().zip(&self.sticks).for_each(|(rest, sticks)| *rest |= sticks);
             let without = self.between(&rests, LEAST_ROWS_BETWEEN_STICKS);
             if without.samples() as f64 >= LEAST_LEFT * motion.samples() as f64 {
+                let fewer = motion.samples().saturating_sub(without.samples());
+                rest = Rest { sticks: fewer as f64 * self.time_step, kept: 0.0, ..rest };
                 (motion, sticking) = (without, true);
             }
         }
         let left = motion.samples();
         let out = self.velocity.len() - left;
         if out == 0 || self.velocity.iter().all(|v| v.abs() <= self.velocity_floor) {
-            return Ok((self, 0.0));
+            return Ok((self, rest));
         }
         if left == 0 {
             return Err(IdentError::TooFewSamples {
@@ -77,8 +93,8 @@ impl Conditioned {
             pieces,
             ..self
         };
-        let seconds = out as f64 * moving.time_step;
-        Ok((moving, seconds))
+        rest.out = out as f64 * moving.time_step;
+        Ok((moving, rest))
     }
 
     /// Samples that motion must have to give so many rows.

@@ -20,6 +20,22 @@ pub struct Conditioning {
 }
 
 impl Conditioning {
+    /// That of another recording of the same axis, which suits it as `own` does: the same where the
+    /// motion there is no faster, and else up to where it is.
+    #[must_use]
+    pub fn elsewhere(self, own: Self) -> Self {
+        if own.cutoff <= self.cutoff && own.acceleration_cutoff <= self.acceleration_cutoff {
+            return self;
+        }
+        Self {
+            cutoff: own.cutoff.max(self.cutoff),
+            acceleration_cutoff: own.acceleration_cutoff.max(self.acceleration_cutoff),
+            decimate: own.decimate.min(self.decimate),
+            trim: own.trim,
+            ..self
+        }
+    }
+
     /// What suits a recording with the sampling period `time_step` \[s\]: a tenth of the sampling
     /// rate but at most 100 Hz, fourth order, 50 samples off each end, and decimation to about the
     /// cutoff. At 1 kHz this is the conditioning published with the EMPS benchmark.

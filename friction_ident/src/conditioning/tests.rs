@@ -107,7 +107,7 @@ fn rest_is_left_out_and_motion_stays_with_its_times() {
     let position: Vec<f64> = (0..6000).map(&mut noisy).collect();
     let whole = condition(&signals(&position, &position), &HOW).unwrap();
     let (found, rest) = whole.clone().moving().unwrap();
-    assert!((rest - 2.0).abs() < 0.2, "{rest}");
+    assert!((rest.out - 2.0).abs() < 0.2, "{rest:?}");
     assert_eq!((found.stretches(), found.pieces.len()), (1, 2));
     assert!((found.pieces[1].start - 4.0).abs() < 0.15, "{:?}", found.pieces);
     assert_eq!(found.pieces[1].kept.end, found.velocity.len());
@@ -117,7 +117,7 @@ fn rest_is_left_out_and_motion_stays_with_its_times() {
     assert_eq!(found.force[last], whole.force[last + offset]);
     let sine: Vec<f64> = (0..6000).map(|i| (f64::from(i) * 3e-3).sin()).collect();
     let whole = condition(&signals(&sine, &sine), &HOW).unwrap();
-    assert_eq!(whole.clone().moving().unwrap(), (whole, 0.0));
+    assert_eq!(whole.clone().moving().unwrap(), (whole, Rest::default()));
 }
 
 /// An axis that rested for most of a recording used to be fitted with its rest: Coulomb friction
@@ -134,7 +134,8 @@ fn a_long_rest_is_left_out_however_long() {
     let (long, short) = (recording(20_000..22_000), recording(20_000..20_060));
     let of = |position: &[f64]| condition(&signals(position, position), &HOW).unwrap().moving();
     let (found, rest) = of(&long).unwrap();
-    assert!((rest - 37.9).abs() < 0.3, "{rest}");
+    assert!((rest.out - 37.9).abs() < 0.3, "{rest:?}");
+    assert_eq!((rest.sticks, rest.kept), (0.0, 0.0));
     assert_eq!(found.pieces.len(), 1);
     let said = of(&short).unwrap_err().to_string();
     assert!(said.contains("the motion between two rests"), "{said}");
@@ -145,10 +146,10 @@ fn a_long_rest_is_left_out_however_long() {
 #[test]
 fn short_sticks_are_left_out_where_an_encoder_shows_them() {
     const STEP: f64 = 1e-4;
-    let read = |stick: f64| -> Vec<f64> {
+    let read = |stick: f64, stroke: f64| -> Vec<f64> {
         let place = |t: f64| {
-            let (turn, within) = ((t / (0.7 + stick)).floor(), t % (0.7 + stick));
-            let way = 0.25 * (1.0 - (within.min(0.7) * std::f64::consts::PI / 0.7).cos());
+            let (turn, within) = ((t / (stroke + stick)).floor(), t % (stroke + stick));
+            let way = 0.25 * (1.0 - (within.min(stroke) * std::f64::consts::PI / stroke).cos());
             if turn % 2.0 == 0.0 { way } else { 0.5 - way }
         };
         (0..2400).map(|k| (place(f64::from(k) * 1e-2) / STEP).floor() * STEP).collect()
@@ -157,11 +158,16 @@ fn short_sticks_are_left_out_where_an_encoder_shows_them() {
         let signals = Signals { time_step: 1e-2, ..signals(position, position) };
         condition(&signals, &Conditioning::for_time_step(1e-2)).unwrap().moving().unwrap()
     };
-    let (found, rest) = moving(&read(0.1));
+    let (found, rest) = moving(&read(0.1, 0.7));
     // 30 of them, each with what the encoder does not see and the low-pass spreads.
-    assert!((2.9..7.0).contains(&rest), "{rest}");
+    assert!((2.9..7.0).contains(&rest.out), "{rest:?}");
+    assert_eq!((rest.sticks, rest.kept), (rest.out, 0.0));
     assert!((25..=30).contains(&found.pieces.len()), "{}", found.pieces.len());
-    assert_eq!(moving(&read(0.0)).1, 0.0);
+    assert_eq!(moving(&read(0.0, 0.7)).1, Rest::default());
+    // Where too little is left between them they stay in, and their time is told.
+    let (found, rest) = moving(&read(0.1, 0.15));
+    assert_eq!((found.pieces.len(), rest.out, rest.sticks), (1, 0.0, 0.0));
+    assert!((8.0..24.0).contains(&rest.kept), "{rest:?}");
 }
 
 /// Of 5 kHz with a motion of a few hertz a fifth is left, at the same times and of the same size.

@@ -7,7 +7,7 @@ use friction_ident::{Conditioning, IdentError, Signals, adequacy};
 use recording::Recording;
 
 use super::channels;
-use super::terminal::hertz;
+use super::terminal::{hertz, low_pass};
 
 /// Share of the motion beyond the low-pass from which a warning is due.
 const TOO_MUCH: f64 = 0.01;
@@ -25,6 +25,23 @@ pub(super) fn note(recording: &Recording, how: &Conditioning) -> Option<String> 
     (how.cutoff > usual).then(|| {
         format!(
             "The motion is faster than {usual_text} Hz, which is usual at this rate: it is taken up to {motion} Hz (--cutoff HZ overrides)."
+        )
+    })
+}
+
+/// That more is taken of the motion of another recording, `there`, than of this one, `here`.
+pub(super) fn faster(
+    other: &Recording,
+    here: &Conditioning,
+    there: &Conditioning,
+) -> Option<String> {
+    let is_more =
+        there.cutoff > here.cutoff || there.acceleration_cutoff > here.acceleration_cutoff;
+    is_more.then(|| {
+        format!(
+            "{}: its motion is faster and is taken up to {} (--cutoff HZ overrides both).",
+            other.path.display(),
+            low_pass(there)
         )
     })
 }

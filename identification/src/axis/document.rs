@@ -7,6 +7,7 @@
 //!                          gaps, missing, pauses, rate_changes, stretches, too_short, other_rate)
 //! validation               the same of the recording for the cross-test, or null
 //! settings                 cutoff_hz, acceleration_cutoff_hz, order, trim, decimate
+//! validation_settings      the same of the recording for the cross-test, whose motion may be faster; or null
 //! speeds                   [lowest, highest] of the recording [m/s or rad/s]; null where nothing moved
 //! standard_errors          how they were computed
 //! load                     chosen (`none`, `spring`, `gravity`), compared (pairs of load and relative error in the cross-validation [%]); or null
@@ -22,6 +23,7 @@
 //! notes                    what must be known to read the numbers right
 //! ```
 
+use friction_ident::Conditioning;
 use friction_ident::robust_covariance::METHOD;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -36,7 +38,6 @@ pub fn render(
     recording: &Recording,
     validation: Option<&Recording>,
 ) -> String {
-    let conditioning = found.settings.conditioning;
     let axis = found.settings.axis;
     let of_plain = found.plain().flat_map(|model| found.beside(model));
     let warnings: Vec<String> = found.warnings.iter().cloned().chain(of_plain).collect();
@@ -47,13 +48,8 @@ pub fn render(
         "axis": axis,
         "recording": source(recording),
         "validation": validation.map(source),
-        "settings": {
-            "cutoff_hz": conditioning.cutoff,
-            "acceleration_cutoff_hz": conditioning.acceleration_cutoff,
-            "order": conditioning.order,
-            "trim": conditioning.trim,
-            "decimate": conditioning.decimate,
-        },
+        "settings": settings(&found.settings.conditioning),
+        "validation_settings": validation.map(|_| settings(&found.settings.elsewhere)),
         "speeds": speeds::range(found.symmetric.estimation.velocity.iter().copied()),
         "standard_errors": METHOD,
         "load": found.load,
@@ -65,6 +61,16 @@ pub fn render(
     let mut text = format!("{document:#}");
     text.push('\n');
     text
+}
+
+fn settings(how: &Conditioning) -> Value {
+    json!({
+        "cutoff_hz": how.cutoff,
+        "acceleration_cutoff_hz": how.acceleration_cutoff,
+        "order": how.order,
+        "trim": how.trim,
+        "decimate": how.decimate,
+    })
 }
 
 #[derive(Serialize)]

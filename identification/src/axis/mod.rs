@@ -28,7 +28,8 @@ use friction_ident::adequacy::FitDoubt;
 use friction_ident::rigid_axis::free_run::free_run_error;
 use friction_ident::{
     AxisFit, AxisModel, AxisTerm, Conditioned, Conditioning, IdentError, Load, LoadChoice,
-    Prediction, Signals, adequacy, choose_load, condition_stretches, fit_axis, fit_axis_freely,
+    Prediction, Rest, Signals, adequacy, choose_load, condition_stretches, fit_axis,
+    fit_axis_freely,
 };
 
 pub use band::TooFast;
@@ -44,6 +45,8 @@ use recording::{AxisKind, RecordedStretch, Recording};
 pub struct Settings {
     /// Filtering and thinning.
     pub conditioning: Conditioning,
+    /// The same of the recording for the cross-test.
+    pub elsewhere: Conditioning,
     /// Whether the cutoff was asked for.
     pub given_cutoff: bool,
     /// Whether the force drives an inertia.
@@ -140,14 +143,15 @@ pub fn identify(
     validation: Option<&Recording>,
     settings: &Settings,
 ) -> Result<Identification, IdentifyError> {
-    let (estimation, rest) = moving(recording, settings)?;
+    let (estimation, rest) = moving(recording, &settings.conditioning)?;
     let mut notes = timing_notes(recording, &estimation, rest);
     notes.extend(band::note(recording, &settings.conditioning));
     let other = validation;
     let validation = match validation {
         Some(other) => {
-            let (there, rest) = moving(other, settings)?;
+            let (there, rest) = moving(other, &settings.elsewhere)?;
             notes.extend(timing_notes(other, &there, rest));
+            notes.extend(band::faster(other, &settings.conditioning, &settings.elsewhere));
             Some((other.path.as_path(), there))
         }
         None => None,
@@ -320,15 +324,15 @@ fn said_of(choice: &LoadChoice) -> Option<String> {
     })
 }
 
-/// Filters and differentiates a recording.
+/// Filters and differentiates a recording, as the settings say of it.
 ///
 /// # Errors
 /// [`IdentifyError`] with the recording's path.
 pub fn conditioned(
     recording: &Recording,
-    settings: &Settings,
+    how: &Conditioning,
 ) -> Result<Conditioned, IdentifyError> {
-    moving(recording, settings).map(|(conditioned, _)| conditioned)
+    moving(recording, how).map(|(conditioned, _)| conditioned)
 }
 
 /// The channels of each stretch, with the time of its first sample.
@@ -345,10 +349,13 @@ pub(crate) fn channels(recording: &Recording) -> Vec<(f64, Signals<'_>)> {
     recording.stretches.iter().map(stretch).collect()
 }
 
-/// The motion of a recording, and for how long it stands still \[s\].
-fn moving(recording: &Recording, settings: &Settings) -> Result<(Conditioned, f64), IdentifyError> {
+/// Time of which a tenth of a second is shown \[s\].
+const SHOWN: f64 = 0.05;
+
+/// The motion of a recording, and for how long it stands still.
+fn moving(recording: &Recording, how: &Conditioning) -> Result<(Conditioned, Rest), IdentifyError> {
     let stretches = channels(recording);
-    let found = condition_stretches(&stretches, &settings.conditioning);
+    let found = condition_stretches(&stretches, how);
     found.and_then(Conditioned::coarsened).and_then(Conditioned::moving).map_err(|source| {
         let stretch = match source {
             IdentError::TooFewSamples { .. } => longest(recording),
@@ -359,7 +366,7 @@ fn moving(recording: &Recording, settings: &Settings) -> Result<(Conditioned, f6
 }
 
 /// What is to be said about the times of a recording.
-fn timing_notes(recording: &Recording, used: &Conditioned, rest: f64) -> Vec<String> {
+fn timing_notes(recording: &Recording, used: &Conditioned, rest: Rest) -> Vec<String> {
     let path = recording.path.display();
     let mut notes = Vec::new();
     notes.extend(recording.irregularities.describe().map(|said| format!("{path}: {said}")));
@@ -370,9 +377,23 @@ fn timing_notes(recording: &Recording, used: &Conditioned, rest: f64) -> Vec<Str
             found - long
         ));
     }
-    if rest > 0.0 {
+    if rest.out >= SHOWN {
+        let sticks = match rest.sticks {
+            sticks if sticks < SHOWN => String::new(),
+            sticks => format!(
+                " ({sticks:.1} s of that are short sticks that the encoder shows, with what the low-pass spreads of them)"
+            ),
+        };
         notes.push(format!(
-            "{path}: the axis stands still for {rest:.1} s, where friction is whatever is applied; fits and errors are those of the motion."
+            "{path}: the axis stands still for {:.1} s{sticks}, where friction is whatever is applied; fits and errors are those of the motion.",
+            rest.out
+        ));
+    }
+    if rest.kept >= SHOWN {
+        notes.push(format!(
+            "{path}: the axis sticks so often that too little motion is left between: {:.1} s of short sticks, with what the low-pass spreads \
+             of them, are fitted as if it slid there. A recording with fewer turns, or with longer strokes, tells more.",
+            rest.kept
         ));
     }
     notes

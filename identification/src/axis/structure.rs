@@ -19,6 +19,10 @@ use report::numbers::significant;
 use work::progress::Progress;
 use work::sequencer::{Completion, run_in_order};
 
+/// Factor of the error that a fit leaves up to which parts kept back may be predicted worse and the
+/// recording promises that: beyond, it was fitted to these parts and not to the axis.
+const OVERFITTED: f64 = 2.0;
+
 /// Which structures are compared.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum StructureChoice {
@@ -229,9 +233,9 @@ pub fn structured(
     fit.heed(estimation, &rivals);
     let here = fit.predict(estimation)?;
     let there = validation.map(|other| fit.predict(other)).transpose()?;
-    let fails = promised(&scores)
-        .zip(there.as_ref())
-        .and_then(|((error, power), there)| adequacy::elsewhere(error, power, there));
+    let fails = promised(&scores).zip(there.as_ref()).and_then(|((error, power), there)| {
+        adequacy::elsewhere(error.min(OVERFITTED * here.relative_error), power, there)
+    });
     let outdone = there.as_ref().zip(validation).and_then(|(there, other)| {
         let simpler = scores.iter().map(|score| score.structure).filter(|simpler| {
             simpler.is_linear() && simpler.parameters() < fit.structure.parameters()

@@ -109,6 +109,11 @@ fn disbelieved(ranked: &Ranked, score: &CrossValidation) -> Option<&'static str>
     }
 }
 
+/// A relative error \[%\] to three decimals; one that is past all use, as its size.
+fn percent(value: f64) -> String {
+    if value.abs() < 1e4 { format!("{value:.3}") } else { format!("{value:.0e}") }
+}
+
 fn ranking(found: &Structured, warned: &[AxisStructure]) -> Table {
     let is_chosen = |ranked: &Ranked| ranked.index == found.choice.chosen;
     let all = &found.choice.ranking;
@@ -118,10 +123,10 @@ fn ranking(found: &Structured, warned: &[AxisStructure]) -> Table {
         let mut row = vec![
             score.structure.to_string(),
             score.structure.parameters().to_string(),
-            format!("{:.3} ± {:.3}", score.relative_error, score.standard_error),
+            format!("{} ± {}", percent(score.relative_error), percent(score.standard_error)),
         ];
-        row.extend(score.elsewhere.iter().map(|there| format!("{:.3}", there.relative_error)));
-        row.push(format!("{:.3} ± {:.3}", ranked.excess, ranked.excess_error));
+        row.extend(score.elsewhere.iter().map(|there| percent(there.relative_error)));
+        row.push(format!("{} ± {}", percent(ranked.excess), percent(ranked.excess_error)));
         row.push(match disbelieved(ranked, score) {
             Some(why) => why.to_owned(),
             None => remark(is_chosen(ranked), warned.contains(&score.structure)),
@@ -244,17 +249,17 @@ pub fn terminal(found: &Structured) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{mark} {:width$}  {:>2} parameters  {:6.3} ± {:.3} %{}  excess {:.3} ± {:.3}{}",
+            "{mark} {:width$}  {:>2} parameters  {:>6} ± {} %{}  excess {} ± {}{}",
             score.structure.to_string(),
             score.structure.parameters(),
-            score.relative_error,
-            score.standard_error,
+            percent(score.relative_error),
+            percent(score.standard_error),
             score.elsewhere.as_ref().map_or_else(String::new, |there| format!(
-                "  elsewhere {:6.3} %",
-                there.relative_error
+                "  elsewhere {:>6} %",
+                percent(there.relative_error)
             )),
-            ranked.excess,
-            ranked.excess_error,
+            percent(ranked.excess),
+            percent(ranked.excess_error),
             disbelieved(ranked, score).map_or_else(String::new, |why| format!("  {why}")),
         );
     }

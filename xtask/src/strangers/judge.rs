@@ -72,7 +72,8 @@ pub struct Answer {
     pub held_out: Option<f64>,
     /// Stretches of the part kept back that the error was taken over \[s\].
     pub stretches: Value,
-    /// Conditioning, for the peer: cutoff_hz, acceleration_cutoff_hz, order, trim, decimate.
+    /// Conditioning, for the peer: cutoff_hz, acceleration_cutoff_hz, order, trim, decimate, and in
+    /// `elsewhere` the same of the part kept back.
     pub settings: Value,
 }
 
@@ -133,6 +134,7 @@ pub fn ask(program: &Path, folder: &Path, truth: &Known, options: &[&str]) -> Re
     let document = fs::read_to_string(folder.join("answer/identification.json"))?;
     let document: Value = serde_json::from_str(&document)?;
     answer.settings = document["settings"].clone();
+    answer.settings["elsewhere"] = document["validation_settings"].clone();
     let texts = |value: &Value| -> Vec<String> {
         value
             .as_array()
