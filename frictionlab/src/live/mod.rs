@@ -36,7 +36,8 @@ use controller::node::ManagedController;
 use friction_model::{AnyModel, ModelName};
 use friction_observer::node::FrictionObserver;
 use rig_driver::node::RigDriver;
-use rig_driver::{Calibration, safety::Supervised};
+use rig_driver::safety::{Fault, Supervised};
+use rig_driver::{Calibration, RigError};
 use ros_node::{Discovery, Lost, Participant, Stop, Watch};
 use serde::Serialize;
 
@@ -267,8 +268,11 @@ pub fn run(
     }
     let (published, (bag, errors)) = (published?, kept??);
     if let Err(reason) = begun {
-        // A rig that fails before it is active ends the cycle; its own words say why.
-        let why = ending.error().map_or_else(|| reason.to_string(), |error| error.to_string());
+        // A rig that fails before it is active ends the cycle; its own words say why. One that answered
+        // when nobody waited for it any more has left none.
+        let wordless = |error: &RigError| matches!(error, RigError::Safety(report) if report.fault == Fault::BackEnd);
+        let own = ending.error().filter(|error| !wordless(error));
+        let why = own.map_or_else(|| reason.to_string(), |error| error.to_string());
         return Err(LiveError::Start(why));
     }
     if let Some(elder) = elder {
