@@ -5,6 +5,9 @@ use std::path::Path;
 use super::{BRIDGED, IRREGULAR, UNEVEN, WINDOW, median, rounded};
 use crate::RecordingError;
 
+/// Share by which a rate may be off and still be that of the clock: 1999.9 Hz are 2000 Hz.
+const SAME: f64 = 5e-4;
+
 /// The rate to which irregular samples would be brought \[Hz\]; none where their steps are even.
 pub(crate) fn rate_for(time: &[f64]) -> Option<f64> {
     let steps: Vec<f64> =
@@ -42,12 +45,12 @@ pub(super) fn irregular(path: &Path, steps: &[f64]) -> RecordingError {
     }
 }
 
-/// The mean rate between gaps \[Hz\], to two digits and not above it.
+/// The mean rate between gaps \[Hz\], to two digits and not above it by more than [`SAME`].
 fn even_rate(steps: &[f64]) -> f64 {
     let usual = median(steps);
     let without_gaps: Vec<f64> =
         steps.iter().copied().filter(|step| *step <= BRIDGED * usual).collect();
     let mean_rate = without_gaps.len() as f64 / without_gaps.iter().sum::<f64>();
     let digits = 10f64.powi(mean_rate.log10().floor() as i32 - 1);
-    rounded((mean_rate / digits).floor() * digits)
+    rounded(((1.0 + SAME) * mean_rate / digits).floor() * digits)
 }

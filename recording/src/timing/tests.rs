@@ -219,6 +219,11 @@ fn irregular_times_are_refused_with_a_rate_that_would_do() {
         let RecordingError::Irregular { rate: offered, .. } = error else { panic!("{error}") };
         assert!((offered - rate).abs() < 0.03 * rate, "{error}");
     }
+    // Whose mean is a little below a round rate, of which the next lower one was offered.
+    let at = |k: u32| 5.0001e-4 * f64::from(k) + 1e-4 * f64::from(k % 2);
+    let time: Vec<f64> = (0..2000).map(at).collect();
+    let error = Timing::of(Path::new("x.csv"), &time, TOLERANCE, |_| String::new()).unwrap_err();
+    assert!(error.to_string().contains("2000 Hz"), "{error}");
     // A cycle that comes late now and then is no such thing.
     let mut time = cycles(500);
     (0..500).step_by(10).for_each(|k| time[k] += 3e-4);
