@@ -12,7 +12,7 @@
 
 use std::f64::consts::PI;
 
-use friction_lanes::elementary::mul_add;
+use friction_lanes::elementary::{fuses, mul_add};
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::IdentError;
@@ -263,8 +263,7 @@ impl<'s, I: Iterator<Item = &'s mut [f64; L]>, const N: usize, const L: usize> W
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        // The processors with four lanes or more, and those of ARM, fuse a product with a sum.
-        if S::F64_LANES >= 4 || cfg!(target_arch = "aarch64") {
+        if fuses::<S>() {
             self.run::<true>();
         } else {
             self.run::<false>();

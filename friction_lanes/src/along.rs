@@ -10,6 +10,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 pub use crate::block::WIDTH;
 use crate::contact::Contact;
+use crate::elementary::fuses;
 use crate::gms::GmsLanes;
 use crate::lugre::LuGreLanes;
 use crate::proposed::ProposedLanes;
@@ -136,8 +137,7 @@ impl<C: Contact> WithSimd for Run<'_, '_, C> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        // The processors with four lanes or more, and those of ARM, fuse a product with a sum.
-        if S::F64_LANES >= 4 || cfg!(target_arch = "aarch64") {
+        if fuses::<S>() {
             self.by_scheme::<true>();
         } else {
             self.by_scheme::<false>();

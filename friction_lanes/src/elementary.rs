@@ -38,6 +38,14 @@ pub fn within(x: f64, low: f64, high: f64) -> f64 {
     larger(smaller(x, high), low)
 }
 
+/// Whether the instructions that were chosen fuse a product with a sum: those of four lanes or more,
+/// and ARM's.
+#[inline(always)]
+#[must_use]
+pub fn fuses<S: pulp::Simd>() -> bool {
+    S::F64_LANES >= 4 || cfg!(target_arch = "aarch64")
+}
+
 /// a b + c.
 #[inline(always)]
 #[must_use]

@@ -12,7 +12,6 @@ const LAGS: &str = "a force that is recorded nearer to the motor: the motion fol
 const COMES_LATE: &str = "a force that is recorded earlier in its chain, before a low-pass or a slow bus: it comes later than the motion by more than the search allows, ten samples";
 const GRADUAL: &str = "motion over more of the travel: friction rises over as much of it as the search allows, a tenth";
 const FINE: &str = "slow motion over less of the travel: the force repeats after less than the search allows, a two-hundredth of it";
-
 const LONG: &str = "motion over more of the travel: the force repeats over more of it than the search allows, if it repeats at all";
 
 /// Puts that beside each of `estimates`, those of `terms`, whose best value is a bound itself.
@@ -37,7 +36,7 @@ const LEVELS: [&str; 2] = ["f_c", "f_s"];
 
 /// Says of the other parameters that they take what a parameter at its bound leaves over: inertia
 /// and friction that of a force that comes later still, the friction curve that of a broader dip, the
-/// level at rest that of a narrower one.
+/// level at rest that of a narrower one, the forces along the axis that of a longer wave.
 pub(super) fn distrust(
     terms: &[ShapeTerm],
     limits: &Limits,

@@ -20,7 +20,7 @@ pub struct Conditioning {
 }
 
 impl Conditioning {
-    /// That of another recording of the same axis, which suits it as `own` does: the same where the
+    /// That of another recording of the same axis and rate, which suits it as `own` does: the same where the
     /// motion there is no faster, and else up to where it is.
     #[must_use]
     pub fn elsewhere(self, own: Self) -> Self {

@@ -1,6 +1,7 @@
 //! The simulation of all logs for several candidates side by side, with the widest instructions
 //! that the processor has, which are chosen when the program runs.
 
+use friction_lanes::elementary::fuses;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::drive::Control;
@@ -109,12 +110,7 @@ impl<W: FnMut(usize, &Block)> WithSimd for Run<'_, W> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        // The processors with four lanes or more, and those of ARM, fuse a product with a sum.
-        if S::F64_LANES >= 4 || cfg!(target_arch = "aarch64") {
-            choose::<true, W>(self)
-        } else {
-            choose::<false, W>(self)
-        }
+        if fuses::<S>() { choose::<true, W>(self) } else { choose::<false, W>(self) }
     }
 }
 

@@ -13,6 +13,9 @@ use super::{IdentifyArgs, conditioning, motor, read};
 use crate::axis::structure::{StructureChoice, Structured, structured};
 use crate::axis::{self, Identification, IdentifyError, Settings};
 
+/// Share by which sampling periods may differ and still be one rate.
+const SAME_RATE: f64 = 0.01;
+
 /// What is to be identified, read.
 #[derive(Debug)]
 pub struct Asked<'a> {
@@ -38,7 +41,10 @@ impl<'a> Asked<'a> {
         };
         let validation = read(&args.validate, args, &motor)?;
         let suits = conditioning(args, &recording);
-        let own = validation.as_ref().map(|other| conditioning(args, other));
+        // At another rate the usual cutoffs are others, however fast the motion is.
+        let same_rate =
+            |other: &&Recording| (other.time_step / recording.time_step - 1.0).abs() < SAME_RATE;
+        let own = validation.as_ref().filter(same_rate).map(|other| conditioning(args, other));
         let settings = Settings {
             conditioning: suits,
             elsewhere: own.map_or(suits, |own| suits.elsewhere(own)),
@@ -323,7 +329,15 @@ mod tests {
             let rows: String = (0..20_000).map(row).collect();
             std::fs::write(path, format!("t_s,q_rad,tau_Nm\n{rows}")).unwrap();
         }
+        let thinned = folder.path().join("thinned.csv");
+        let rows = std::fs::read_to_string(&files[1]).unwrap();
+        let rows = rows.lines().enumerate().filter(|(k, _)| *k == 0 || k % 5 == 1);
+        let rows: Vec<&str> = rows.map(|(_, row)| row).collect();
+        std::fs::write(&thinned, rows.join("\n")).unwrap();
         let [slow, fast] = files.map(|path| path.display().to_string());
+        // The same motion, recorded less often, is not slower.
+        let same = found(&[&thinned.display().to_string(), "--validate", &fast]).unwrap();
+        assert_eq!(same.settings.elsewhere, same.settings.conditioning);
         let found = found(&[&slow, "--validate", &fast]).unwrap();
         let Settings { conditioning, elsewhere, .. } = found.settings;
         assert!(conditioning.acceleration_cutoff < 10.0, "{conditioning:?}");
