@@ -1,6 +1,6 @@
 """What an engineer with SciPy would do in an afternoon: the same recording, the usual filter, three models, scored on the part kept back.
 
-Reads jobs as a JSON list from standard input: folder, cutoff_hz, acceleration_cutoff_hz, order, trim, decimate, stretches, elsewhere (the same filter settings for the validation part). In each folder are `estimation.csv` and `validation.csv` with the columns time, q, (dq), tau. Prints a JSON list: for each
+Reads jobs as a JSON list from standard input: folder, cutoff_hz, acceleration_cutoff_hz, order, trim, decimate, low_pass_force, stretches, elsewhere (the same filter settings for the validation part). In each folder are `estimation.csv` and `validation.csv` with the columns time, q, (dq), tau. Prints a JSON list: for each
 job the relative error of the torque in the validation part, in per cent, of least squares (inertia, viscous and Coulomb friction, offset), of Dahl's model and of LuGre's beside the same inertia and offset; with `gravity` in the job, of the same with a sin q + b cos q besides. Only the stretches of that part count that are named [s]: at rest, what a model says is no prediction.
 """
 
@@ -30,6 +30,8 @@ def condition(table, job, h):
         return filtfilt(*butter(job["order"], cutoff / nyquist), x) if cutoff < nyquist else x
 
     q = smooth(q, job["cutoff_hz"])
+    if job.get("low_pass_force"):
+        tau = smooth(tau, job["cutoff_hz"])
     v = np.gradient(q, h)
     slow = job["acceleration_cutoff_hz"]
     a = np.gradient(smooth(v, slow) if slow < job["cutoff_hz"] else v, h)

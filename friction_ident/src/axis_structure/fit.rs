@@ -252,7 +252,7 @@ fn fitted(
     stability::judge(&mut search, &best, &whole, &mut estimates);
     let left = (solution.residual.norm_squared() / samples as f64).sqrt();
     doubts::sampled(search.regressors.recording, &mut estimates);
-    alike::judge(search.regressors.recording, &structure, scale, left, &mut estimates);
+    alike::judge(search.regressors.recording, &structure, units, scale, left, &mut estimates);
     at_bound::distrust(&terms, &search.limits, &best.shape, &mut estimates);
     doubts::of_a_wave(&mut estimates);
     if let Some(inertia) = estimates.parameters.first() {

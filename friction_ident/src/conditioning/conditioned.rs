@@ -21,7 +21,7 @@ pub struct Conditioned {
     pub velocity: Vec<f64>,
     /// Acceleration \[m/s^2 or rad/s^2\].
     pub acceleration: Vec<f64>,
-    /// Force \[N\] or torque \[N m\], as recorded.
+    /// Force \[N\] or torque \[N m\], as recorded unless the settings give it the low-pass.
     pub force: Vec<f64>,
     /// Acceleration that rounding alone can make; anything below is no excitation.
     pub(crate) acceleration_floor: f64,

@@ -76,6 +76,7 @@ pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, I
     } else {
         how.differences.of(&velocity, dt)
     };
+    let force = if how.low_pass_force { &filter.filter(signals.force)? } else { signals.force };
     let kept = how.trim..n - how.trim;
     let all = 0..kept.len();
     let way = first_way(&velocity, velocity_floor);
@@ -94,7 +95,7 @@ pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, I
         position: position.map(|position| position[kept.clone()].to_vec()),
         velocity: velocity[kept.clone()].to_vec(),
         acceleration: acceleration[kept.clone()].to_vec(),
-        force: signals.force[kept.clone()].to_vec(),
+        force: force[kept.clone()].to_vec(),
         sampled: dt,
         spread,
         sticking: false,

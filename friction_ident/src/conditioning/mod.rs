@@ -5,7 +5,8 @@
 //! differences' troubles at both ends are cut off. The force is left as measured: filtering it
 //! alone would shift nothing but would flatten the steps that Coulomb friction makes. Decimation
 //! comes later, when the regression is set up, and treats every regressor and the force alike
-//! ([`crate::rigid_axis`]).
+//! ([`crate::rigid_axis`]). Cut at its rests, a recording may need a low-pass of the force all the same
+//! ([`Conditioning::low_pass_force`]).
 //!
 //! A recording with gaps is conditioned stretch by stretch ([`condition_stretches`]): no filter,
 //! difference or delay reaches across a gap.

@@ -17,6 +17,10 @@ pub struct Conditioning {
     /// Every how many samples one is kept for the regression, after an anti-alias low-pass; one
     /// keeps all.
     pub decimate: usize,
+    /// Whether the force has the low-pass of the motion too, which is of use where rests cut the
+    /// recording to pieces
+    /// ([`low_pass_of_the_force_helps`](crate::rigid_axis::low_pass_of_the_force_helps)).
+    pub low_pass_force: bool,
 }
 
 impl Conditioning {
@@ -49,6 +53,7 @@ impl Conditioning {
             differences: Differences::SecondOrder,
             trim: 50,
             decimate: ((rate / cutoff).round() as usize).clamp(1, 1000),
+            low_pass_force: false,
         }
     }
 }

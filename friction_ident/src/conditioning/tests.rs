@@ -15,6 +15,7 @@ const HOW: Conditioning = Conditioning {
     differences: Differences::SecondOrder,
     trim: 50,
     decimate: 10,
+    low_pass_force: false,
 };
 
 #[test]
@@ -203,6 +204,6 @@ proptest! {
         position in proptest::collection::vec(-1e9..1e9f64, 0..400),
         trim in 0usize..300, order in 0usize..20, cutoff in -10.0..2000.0f64, decimate in 0usize..2000,
     ) {
-        let _ = condition(&signals(&position, &position), &Conditioning { cutoff, acceleration_cutoff: 0.5 * cutoff, order, differences: Differences::SixthOrder, trim, decimate });
+        let _ = condition(&signals(&position, &position), &Conditioning { cutoff, acceleration_cutoff: 0.5 * cutoff, order, differences: Differences::SixthOrder, trim, decimate, low_pass_force: false });
     }
 }

@@ -415,9 +415,11 @@ fn accelerates(recording: &Conditioned) -> bool {
     changes && root_mean_square(&recording.acceleration) > recording.acceleration_floor
 }
 
+mod force_band;
 pub mod free_run;
 mod load;
 
+pub use force_band::low_pass_of_the_force_helps;
 pub use load::{Load, LoadChoice, choose_load};
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ const HOW: Conditioning = Conditioning {
     differences: crate::Differences::SecondOrder,
     trim: 50,
     decimate: 10,
+    low_pass_force: false,
 };
 
 /// A motion of two sines (several speeds, both directions) and its derivatives.

@@ -3,6 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use anyhow::Context;
+use friction_ident::rigid_axis::low_pass_of_the_force_helps;
 use friction_ident::{AxisTerm, IdentError};
 use recording::{AxisKind, Recording};
 use work::progress::Progress;
@@ -11,7 +12,7 @@ use work::{BadInput, Interrupted};
 use super::friction::FILES;
 use super::{IdentifyArgs, conditioning, motor, read};
 use crate::axis::structure::{StructureChoice, Structured, structured};
-use crate::axis::{self, Identification, IdentifyError, Settings};
+use crate::axis::{self, Identification, IdentifyError, Settings, channels};
 
 /// Share by which sampling periods may differ and still be one rate.
 const SAME_RATE: f64 = 0.01;
@@ -40,14 +41,19 @@ impl<'a> Asked<'a> {
             return Err(BadInput(missing.to_owned()).into());
         };
         let validation = read(&args.validate, args, &motor)?;
-        let suits = conditioning(args, &recording);
+        let mut suits = conditioning(args, &recording);
+        suits.low_pass_force = low_pass_of_the_force_helps(&channels(&recording), &suits);
         // At another rate the usual cutoffs are others, however fast the motion is.
         let same_rate =
             |other: &&Recording| (other.time_step / recording.time_step - 1.0).abs() < SAME_RATE;
         let own = validation.as_ref().filter(same_rate).map(|other| conditioning(args, other));
+        let mut elsewhere = own.map_or(suits, |own| suits.elsewhere(own));
+        if let Some(other) = &validation {
+            elsewhere.low_pass_force |= low_pass_of_the_force_helps(&channels(other), &elsewhere);
+        }
         let settings = Settings {
             conditioning: suits,
-            elsewhere: own.map_or(suits, |own| suits.elsewhere(own)),
+            elsewhere,
             given_cutoff: args.cutoff.is_some(),
             inertia: !(args.without_inertia || recording.friction_only),
             offset: !args.without_offset,

@@ -29,6 +29,16 @@ pub(super) fn note(recording: &Recording, how: &Conditioning) -> Option<String> 
     })
 }
 
+/// That the force of a recording has a low-pass too.
+pub(super) fn of_the_force(recording: &Recording, how: &Conditioning) -> Option<String> {
+    how.low_pass_force.then(|| {
+        let (path, cutoff) = (recording.path.display(), hertz(how.cutoff));
+        format!(
+            "{path}: without its rests the recording is in pieces, and what the force holds above {cutoff} Hz, where the motion ends, would fill their ends: the force has the low-pass of the motion too, with which a plain model predicts clearly better."
+        )
+    })
+}
+
 /// That more is taken of the motion of another recording, `there`, than of this one, `here`.
 pub(super) fn faster(
     other: &Recording,

@@ -6,7 +6,7 @@
 //! recording                file, samples, time_step_s, duration_s, sources, timing (what was uneven and what was done: repeated, moved, filled, dropped,
 //!                          gaps, missing, pauses, rate_changes, stretches, too_short, other_rate)
 //! validation               the same of the recording for the cross-test, or null
-//! settings                 cutoff_hz, acceleration_cutoff_hz, order, trim, decimate
+//! settings                 cutoff_hz, acceleration_cutoff_hz, order, trim, decimate, low_pass_force
 //! validation_settings      the same of the recording for the cross-test, whose motion may be faster; or null
 //! speeds                   [lowest, highest] of the recording [m/s or rad/s]; null where nothing moved
 //! standard_errors          how they were computed
@@ -70,6 +70,7 @@ fn settings(how: &Conditioning) -> Value {
         "order": how.order,
         "trim": how.trim,
         "decimate": how.decimate,
+        "low_pass_force": how.low_pass_force,
     })
 }
 

@@ -146,11 +146,13 @@ pub fn identify(
     let (estimation, rest) = moving(recording, &settings.conditioning)?;
     let mut notes = timing_notes(recording, &estimation, rest);
     notes.extend(band::note(recording, &settings.conditioning));
+    notes.extend(band::of_the_force(recording, &settings.conditioning));
     let other = validation;
     let validation = match validation {
         Some(other) => {
             let (there, rest) = moving(other, &settings.elsewhere)?;
             notes.extend(timing_notes(other, &there, rest));
+            notes.extend(band::of_the_force(other, &settings.elsewhere));
             notes.extend(band::faster(other, &settings.conditioning, &settings.elsewhere));
             Some((other.path.as_path(), there))
         }

@@ -142,6 +142,7 @@ impl Sliding {
             differences: Differences::SecondOrder,
             trim,
             decimate: 1,
+            low_pass_force: false,
         };
         let voltage = filter.filter(recording.voltage)?;
         let signals = Signals {
