@@ -152,7 +152,10 @@ pub fn identify(
         Some(other) => {
             let (there, rest) = moving(other, &settings.elsewhere)?;
             notes.extend(timing_notes(other, &there, rest));
-            notes.extend(band::of_the_force(other, &settings.elsewhere));
+            // Where it is the first one that needs the low-pass, that has been said.
+            if !settings.conditioning.low_pass_force {
+                notes.extend(band::of_the_force(other, &settings.elsewhere));
+            }
             notes.extend(band::faster(other, &settings.conditioning, &settings.elsewhere));
             Some((other.path.as_path(), there))
         }
