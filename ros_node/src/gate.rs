@@ -65,8 +65,8 @@ pub enum Passes {
 /// What a gate tells of the time since it was asked last.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct GateReport {
-    /// For `/diagnostics`: who is obeyed, and how many messages of others were refused since the
-    /// start.
+    /// For `/diagnostics`: who is obeyed, who spoke within the last half second, and how many messages
+    /// of others were refused since the start.
     pub values: Vec<KeyValue>,
     /// Messages were refused since it was asked last: a sentence that says whose.
     pub error: Option<String>,
@@ -194,11 +194,15 @@ impl Gate {
     pub fn report(&self) -> GateReport {
         let mut state = self.state();
         let owner = state.one.owner().map_or_else(|| "nobody".to_owned(), |owner| self.told(owner));
+        let heard: Vec<String> =
+            state.one.heard(now_ns()).map(|writer| self.told(writer)).collect();
+        let heard = if heard.is_empty() { "nobody".to_owned() } else { heard.join(", ") };
         let topic = &self.0.topic;
         let value = |key: String, value: String| KeyValue { key, value };
         let values = vec![
             value(format!("{topic} is taken from"), owner),
             value(format!("{topic} refused from others"), state.refused.to_string()),
+            value(format!("{topic} is heard from"), heard),
         ];
         let new = state.refused - state.told;
         let error = (new > 0).then(|| self.sentence(&state, new));
@@ -296,11 +300,14 @@ mod tests {
         assert_eq!(gate.report().error, None);
         gate.close();
         assert_eq!(gate.report().values[0].value, "nobody");
+        let heard = &gate.report().values[2].value;
+        assert!(heard.contains(&A.to_string()) && heard.contains(&B.to_string()), "{heard}");
     }
 
     #[test]
     fn two_before_activation_are_both_named() {
         let gate = gate(None);
+        assert_eq!(gate.report().values[2].value, "nobody");
         gate.hear(A);
         gate.hear(B);
         let said = gate.open().unwrap_err().to_string();

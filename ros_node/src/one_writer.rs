@@ -95,9 +95,12 @@ impl OneWriter {
     /// # Errors
     /// Two writers that both spoke a moment ago: none may be preferred. It stays as it was.
     pub fn open(&mut self, now: u64) -> Result<(), (WriterId, WriterId)> {
-        let mut there = self.recent.iter().flatten().filter(|heard| heard.is_recent(now));
-        if let (Some(one), Some(other)) = (there.next(), there.next()) {
-            return Err((one.writer, other.writer));
+        let two = {
+            let mut heard = self.heard(now);
+            heard.next().zip(heard.next())
+        };
+        if let Some(two) = two {
+            return Err(two);
         }
         self.open_first();
         Ok(())
@@ -140,6 +143,12 @@ impl OneWriter {
     #[must_use]
     pub fn owner(&self) -> Option<WriterId> {
         self.owner.map(|owner| owner.writer)
+    }
+
+    /// Those that were heard a moment ago, obeyed or not.
+    pub fn heard(&self, now: u64) -> impl Iterator<Item = WriterId> {
+        let recent = self.recent.iter().flatten().filter(move |heard| heard.is_recent(now));
+        recent.map(|heard| heard.writer)
     }
 
     /// Takes notice of a message of `writer`.

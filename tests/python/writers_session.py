@@ -166,8 +166,9 @@ def invented(ros, bench, health):
     # Two before an activation: none is preferred, but one may be named.
     ros.change(RIG, "deactivate")
     with Stranger("voltage", 0.0) as stranger:
-        ros.until(lambda: node.count_publishers("/motor_voltage") >= 2, 10)
-        ros.spin(1.0)
+        # The driver has to hear both, on a busy machine seconds after they are there.
+        both = lambda: health.last(COMMANDS)[2].get("/motor_voltage is heard from", "").count("(GUID ") == 2
+        report["both"] = ros.until(both, 30)
         report["refused"] = ros.change(RIG, "activate")
         report["named"] = [ros.set(RIG, commander="/caller")[0], ros.change(RIG, "activate")]
         bench.forget()

@@ -153,14 +153,7 @@ mod tests {
         let sum: f64 = blocks.iter().sum();
         CrossValidation {
             structure,
-            shape: Shape {
-                delay: 0.0,
-                v_s: 1.0,
-                displacement: 1.0,
-                period: 1.0,
-                ratio: 1.0,
-                damped: 0.0,
-            },
+            shape: Shape::UNUSED,
             blocks: blocks.to_vec(),
             force_power: 1.0,
             relative_error: 100.0 * sum.sqrt(),

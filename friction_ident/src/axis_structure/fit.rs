@@ -8,7 +8,7 @@ use super::naming::{AxisUnits, unknowns};
 use super::profile;
 use super::regressors::Regressors;
 use super::search::{Best, Search};
-use super::shape::{PositionScale, Shape, ShapeTerm};
+use super::shape::{Late, PositionScale, Shape, ShapeTerm};
 use super::{AxisStructure, CrossValidation, alike, at_bound, doubts, stability};
 use crate::IdentError;
 use crate::adequacy::FitDoubt;
@@ -141,6 +141,14 @@ impl StructureFit {
                  delay of the force cannot be told from a lead of the position. Below zero, the force was recorded late."
                     .to_owned(),
             );
+        }
+        if self.structure.delay && self.shape.delay < 0.0 && self.shape.late == Late::LowPassed {
+            notes.push(format!(
+                "The force was recorded behind a low-pass of the first order, as drives have for their current or torque: {:.3} ms is its time \
+                 constant (`delay`, below zero), {:.3} Hz its cutoff. Friction is that before the low-pass.",
+                -1e3 * self.shape.delay,
+                -0.5 * std::f64::consts::FRAC_1_PI / self.shape.delay
+            ));
         }
         notes
     }

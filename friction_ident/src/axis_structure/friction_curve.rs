@@ -177,7 +177,7 @@ mod tests {
             let levels = Levels { kinetic, rest, along: [0.4, -0.2], damping: 5.0 };
             let at = |v_s: f64, displacement: f64, rest: f64| {
                 let (ratio, damped) = (rest / kinetic[0], levels.damping / kinetic[0]);
-                let shape = Shape { delay: 0.0, v_s, displacement, period: 1.0, ratio, damped };
+                let shape = Shape { v_s, displacement, ratio, damped, ..Shape::UNUSED };
                 FrictionCurve::of(&recording, &structure, &shape)
             };
             let friction = |curve: &FrictionCurve, levels: &Levels| -> Vec<f64> {
@@ -254,14 +254,7 @@ mod tests {
             let recording = fine.clone().coarsened().unwrap();
             assert_eq!(recording.time_step > fine.time_step, thinned);
             let structure: AxisStructure = "symmetric+presliding".parse().unwrap();
-            let shape = Shape {
-                delay: 0.0,
-                v_s: 1.0,
-                displacement: REACH,
-                period: 1.0,
-                ratio: 1.0,
-                damped: 0.0,
-            };
+            let shape = Shape { displacement: REACH, ..Shape::UNUSED };
             let curve = FrictionCurve::of(&recording, &structure, &shape);
             let factor = (recording.time_step / dt).round() as usize;
             let mut z = 1.0f64;

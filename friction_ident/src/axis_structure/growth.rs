@@ -149,8 +149,7 @@ mod tests {
 
     fn score(structure: AxisStructure, relative_error: f64) -> CrossValidation {
         let blocks = vec![relative_error; 4];
-        let shape =
-            Shape { delay: 0.0, v_s: 1.0, displacement: 1.0, period: 1.0, ratio: 1.0, damped: 0.0 };
+        let shape = Shape::UNUSED;
         let (force_power, standard_error) = (1.0, 0.1);
         CrossValidation {
             structure,

@@ -42,6 +42,7 @@ mod fit;
 mod friction_curve;
 pub mod growth;
 mod lag;
+mod late;
 mod left_out;
 mod naming;
 mod parts;
@@ -67,7 +68,7 @@ pub use fit::{StructureFit, fit_structure, fit_validated};
 pub use naming::AxisUnits;
 pub(crate) use rows::{read as read_between, rows_of};
 pub(crate) use shape::LONGEST_DELAY;
-pub use shape::{PositionScale, Shape};
+pub use shape::{Late, PositionScale, Shape};
 
 #[cfg(test)]
 mod tests;

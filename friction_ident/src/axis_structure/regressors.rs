@@ -3,7 +3,8 @@
 //! A delayed force `F(t) = f(t + delay)` is met by reading the model's columns later, not by moving
 //! the force: the force stays as measured, and relative errors keep one denominator. The columns
 //! are read after their anti-alias low-pass, which makes interpolation between samples exact to far
-//! below the noise, and lets a new delay cost no filtering.
+//! below the noise, and lets a new delay cost no filtering. A force from behind a low-pass is met the
+//! same way, by columns from behind it.
 
 use std::ops::Range;
 
@@ -11,8 +12,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::AxisStructure;
 use super::friction_curve::{FrictionCurve, Levels};
-use super::rows::Rows;
-use super::shape::{PositionScale, Shape, ShapeTerm};
+use super::rows::{Reading, Rows};
+use super::shape::{Late, PositionScale, Shape, ShapeTerm};
 use super::start::{FORGOTTEN, Starts};
 use super::waves::Place;
 use crate::IdentError;
@@ -101,7 +102,7 @@ impl<'a> Regressors<'a> {
         columns.push(recording.force.clone());
         made.fixed = made.rows.smoothed(columns)?;
         let force = made.fixed.pop().unwrap_or_default();
-        made.force = DVector::from_vec(made.rows.read(&force, 0.0));
+        made.force = DVector::from_vec(made.rows.read(&force, Reading::Later(0.0)));
         Ok(made)
     }
 
@@ -120,12 +121,12 @@ impl<'a> Regressors<'a> {
     pub fn matrix(&mut self, shape: &Shape) -> Result<DMatrix<f64>, IdentError> {
         self.update_friction(shape)?;
         self.update_harmonic(shape)?;
-        let delay = self.advance(shape);
+        let reading = self.reading(shape);
         let columns = self.fixed.iter().chain(&self.friction.columns).chain(&self.harmonic.columns);
         let columns: Vec<&Vec<f64>> = columns.collect();
         let mut matrix = DMatrix::zeros(self.count(), columns.len());
         for (mut to, from) in matrix.column_iter_mut().zip(columns) {
-            to.copy_from_slice(&self.rows.read(from, delay));
+            to.copy_from_slice(&self.rows.read(from, reading));
         }
         Ok(matrix)
     }
@@ -134,11 +135,11 @@ impl<'a> Regressors<'a> {
     /// count.
     pub fn starts(&mut self, shape: &Shape, rows: Option<&[usize]>) -> Result<Starts, IdentError> {
         self.update_friction(shape)?;
-        let delay = self.advance(shape);
+        let reading = self.reading(shape);
         if self.friction.begun.is_empty() {
             return Ok(Starts::default());
         }
-        let left = self.rows.read(&self.friction.begun, delay);
+        let left = self.rows.read(&self.friction.begun, reading);
         Ok(Starts::of(&left, &self.rows.stretches(), rows))
     }
 
@@ -156,14 +157,17 @@ impl<'a> Regressors<'a> {
         let rough = smooth.map(|&term| self.rough_slope(term, shape, linear));
         let rough = rough.collect::<Result<_, _>>()?;
         let mut slopes = self.rows.smoothed(rough)?.into_iter();
-        let delay = self.advance(shape);
+        let reading = self.reading(shape);
         let [before, after] = delays.map(|delay| Shape { delay, ..*shape });
         let mut slope = |term: &ShapeTerm| match term {
             ShapeTerm::Delay => {
                 let change = self.matrix(&after)? - self.matrix(&before)?;
                 Ok(change * linear / (after.delay - before.delay))
             }
-            _ => Ok(DVector::from_vec(self.rows.read(&slopes.next().unwrap_or_default(), delay))),
+            _ => {
+                let slope = slopes.next().unwrap_or_default();
+                Ok(DVector::from_vec(self.rows.read(&slope, reading)))
+            }
         };
         terms.iter().map(&mut slope).collect()
     }
@@ -284,28 +288,33 @@ impl<'a> Regressors<'a> {
         if self.structure.damping && mean > 0.0 { damping / mean } else { 0.0 }
     }
 
-    /// The delay in samples.
-    fn advance(&self, shape: &Shape) -> f64 {
-        if self.structure.delay { shape.delay / self.recording.time_step } else { 0.0 }
+    /// How the columns are read for a shape.
+    fn reading(&self, shape: &Shape) -> Reading {
+        let samples = shape.delay / self.recording.time_step;
+        match shape.late {
+            _ if !self.structure.delay => Reading::Later(0.0),
+            Late::LowPassed if samples < 0.0 => Reading::LowPassed(-samples),
+            _ => Reading::Later(samples),
+        }
     }
 
     /// Velocity of each row, as it is when the force acts.
     pub fn velocity(&self, shape: &Shape) -> Vec<f64> {
-        self.rows.read(&self.recording.velocity, self.advance(shape))
+        self.rows.read(&self.recording.velocity, self.reading(shape))
     }
 
     /// Where the axis is at each row, and how fast, as the force acts.
     pub fn places(&self, shape: &Shape) -> Vec<Place> {
         let position = self.recording.position.as_deref().unwrap_or_default();
-        let position = self.rows.read(position, self.advance(shape));
+        let position = self.rows.read(position, self.reading(shape));
         let places = position.into_iter().zip(self.velocity(shape));
         places.map(|(position, velocity)| Place { position, speed: velocity.abs() }).collect()
     }
 
     /// What the axis does at each row.
     pub fn motion(&self, shape: &Shape) -> Vec<Vec<f64>> {
-        let delay = self.advance(shape);
-        self.recording.motion().iter().map(|column| self.rows.read(column, delay)).collect()
+        let reading = self.reading(shape);
+        self.recording.motion().iter().map(|column| self.rows.read(column, reading)).collect()
     }
 
     /// The columns that no nonlinear parameter changes, before the low-pass.

@@ -14,6 +14,15 @@ const PASS: f64 = 0.4;
 /// Rows that the low-pass of the thinning remembers.
 const MEMORY: usize = 15;
 
+/// How a column is read on the rows, to be as late as the force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Reading {
+    /// So many samples later; earlier where that is below zero.
+    Later(f64),
+    /// Behind a low-pass of the first order with a time constant of so many samples.
+    LowPassed(f64),
+}
+
 /// How a recording's samples become rows.
 pub(super) struct Rows<'a> {
     recording: &'a Conditioned,
@@ -86,9 +95,36 @@ impl<'a> Rows<'a> {
         if decimate == 1 { f64::INFINITY } else { PASS / (decimate as f64 * time_step) }
     }
 
-    /// A column on the kept rows, read `delay` samples later (earlier where that is below zero),
-    /// never beyond its own stretch.
-    pub fn read(&self, column: &[f64], delay: f64) -> Vec<f64> {
+    /// A column on the kept rows, never from beyond its own stretch.
+    pub fn read(&self, column: &[f64], reading: Reading) -> Vec<f64> {
+        match reading {
+            Reading::Later(samples) => self.later(column, samples),
+            Reading::LowPassed(samples) => self.low_passed(column, samples),
+        }
+    }
+
+    /// A column behind a low-pass of the first order, straight between its samples, at rest where each
+    /// piece begins.
+    fn low_passed(&self, column: &[f64], samples: f64) -> Vec<f64> {
+        let factor = self.recording.decimate;
+        let mut rows = Vec::with_capacity(self.recording.pieces.len() * 8);
+        let left = (-1.0 / samples).exp();
+        let part = samples * (1.0 - left);
+        let (own, before) = (1.0 - part, part - left);
+        for piece in &self.recording.pieces {
+            let values = column.get(piece.kept.clone()).unwrap_or_default();
+            let Some(&first) = values.first() else { continue };
+            let behind = values.iter().scan([first; 2], |[behind, last], &value| {
+                *behind = left * *behind + own * value + before * *last;
+                *last = value;
+                Some(*behind)
+            });
+            rows.extend(behind.step_by(factor).take(rows_of(piece, factor)));
+        }
+        rows
+    }
+
+    fn later(&self, column: &[f64], delay: f64) -> Vec<f64> {
         let factor = self.recording.decimate;
         let mut rows = Vec::with_capacity(self.recording.pieces.len() * 8);
         let (later, t) = (delay.floor() as isize, delay - delay.floor());

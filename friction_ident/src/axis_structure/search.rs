@@ -18,8 +18,6 @@ use crate::{Ending, IdentError};
 
 /// Share of the sum of squares by which a search for parameters must still fall to go on.
 pub(super) const EXACT: f64 = 1e-8;
-/// Share of the sum of squares that a force that was recorded late takes off at least.
-const LATE: f64 = 0.1;
 /// Share of the longest delay below which a delay lies at zero.
 const AT_ONCE: f64 = 1e-6;
 /// Periods that are looked at, and how many of them are tried.
@@ -30,6 +28,13 @@ const TRIED: usize = 3;
 pub(super) struct Best {
     pub shape: Shape,
     pub solution: Solution,
+}
+
+impl Best {
+    /// The sum of squares that is left.
+    pub fn sum(&self) -> f64 {
+        self.solution.residual.norm_squared()
+    }
 }
 
 /// Where a straight step arrives.
@@ -88,9 +93,7 @@ impl<'a> Search<'a> {
     /// The best fit from that of a structure that has less: grids for what is new, then all
     /// together, until the sum of squares does not fall by more than `enough` of itself.
     ///
-    /// The motion follows the force. That the force was recorded late is believed only where the
-    /// motion that follows at once leaves clearly more over: lost motion and pre-sliding that the
-    /// structure lacks look like a little of it.
+    /// The motion follows the force, but where the force was recorded [late](Self::late).
     pub fn grown(
         &mut self,
         from: &AxisStructure,
@@ -105,9 +108,7 @@ impl<'a> Search<'a> {
             return Ok(prompt);
         }
         let followed = std::mem::replace(&mut self.limits, either_way);
-        let late = self.closer(prompt.shape, &[], enough)?;
-        let [rest, late_rest] = [&prompt, &late].map(|best| best.solution.residual.norm_squared());
-        if late_rest < (1.0 - LATE) * rest {
+        if let Some(late) = self.late(&prompt, enough)? {
             return Ok(late);
         }
         self.limits = followed;

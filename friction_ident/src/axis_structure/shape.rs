@@ -17,11 +17,25 @@ const BROADEST: f64 = 2.0;
 /// The least `f_s` over `f_c` that a bristle that lags follows, and one over the largest.
 const LEAST_RATIO: f64 = 0.2;
 
+/// What made a recorded force late.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Late {
+    /// All of it by the same time.
+    #[default]
+    Delayed,
+    /// A low-pass of the first order, as drives have for their measured current or torque; the time is
+    /// its time constant.
+    LowPassed,
+}
+
 /// Values of the nonlinear parameters; those that a structure does not have have no effect.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Shape {
     /// How much later the force acts than it was recorded \[s\]; below zero, it was recorded late.
     pub delay: f64,
+    /// What made it late, where it was.
+    pub late: Late,
     /// Stribeck velocity v_s \[m/s or rad/s\].
     pub v_s: f64,
     /// Displacement over which the bristle force rises to 63 % of its limit \[m or rad\]: Coulomb
@@ -34,6 +48,20 @@ pub struct Shape {
     pub ratio: f64,
     /// `sigma1` over `f_c` of such a bristle \[s/m or s/rad\], which follows the fit as the ratio does.
     pub damped: f64,
+}
+
+#[cfg(test)]
+impl Shape {
+    /// Values for structures that have none of them.
+    pub(super) const UNUSED: Self = Self {
+        delay: 0.0,
+        late: Late::Delayed,
+        v_s: 1.0,
+        displacement: 1.0,
+        period: 1.0,
+        ratio: 1.0,
+        damped: 0.0,
+    };
 }
 
 /// One nonlinear parameter.
@@ -116,6 +144,7 @@ impl Limits {
         Self {
             low: Shape {
                 delay: -(LONGEST_DELAY as f64) * recording.time_step,
+                late: Late::Delayed,
                 v_s: 5e-3 * fastest,
                 displacement: 1e-6 * travel,
                 period: travel / 200.0,
@@ -124,6 +153,7 @@ impl Limits {
             },
             high: Shape {
                 delay: LONGEST_DELAY as f64 * recording.time_step,
+                late: Late::Delayed,
                 v_s: BROADEST * LIKELY * fastest,
                 displacement: 0.1 * travel,
                 period: 2.0 * travel,
@@ -139,6 +169,7 @@ impl Limits {
         let middle = |low: f64, high: f64| (low * high).sqrt();
         Shape {
             delay: 0.5 * self.time_step,
+            late: Late::Delayed,
             v_s: middle(self.low.v_s, self.high.v_s / BROADEST),
             displacement: middle(self.low.displacement, self.high.displacement),
             period: middle(self.low.period, self.high.period),

@@ -275,8 +275,7 @@ mod tests {
         assert!(left > samples / 8 && left < samples / 3, "{left} of {samples}");
         let structure = AxisStructure::SYMMETRIC;
         let scale = PositionScale::of(&recording);
-        let shape =
-            Shape { delay: 0.0, v_s: 1.0, displacement: 1.0, period: 1.0, ratio: 1.0, damped: 0.0 };
+        let shape = Shape::UNUSED;
         let part = Conditioned { pieces: parts, ..recording.clone() };
         for recording in [recording, part] {
             let none = &Estimates::default();

@@ -70,7 +70,7 @@ fn stamps_of_no_measurement_move_nothing(report: &Value, said: &str) {
         "the same voltage in answer to a measurement moves it: {report}"
     );
     assert_eq!(report["state"], "active");
-    assert_eq!(report["refused"], false, "{report}");
+    assert_eq!((&report["both"], &report["refused"]), (&json!(true), &json!(false)), "{report}");
     assert!(said.contains("two publish on /motor_voltage at the same time"), "{said}");
     // A name comes in a message of its own, on a busy machine seconds after the first voltage; the
     // GUIDs are there from the start.
