@@ -235,8 +235,19 @@ impl Channel {
     }
 
     /// The column that the header has for the channel, as the header spells it: known names first
-    /// in their order, and of those with one name the first with a unit that can be used.
+    /// in their order, and of those with one name the first with a unit that can be used; then the
+    /// only one whose name is a unit of the channel and nothing else.
     pub fn recognise(self, header: &[String]) -> Option<&str> {
+        self.by_name(header).or_else(|| {
+            let is_unit = |name: &&String| {
+                units::parts(name).stem.is_empty() && matches!(self.unit_in(name), Ok(Some(_)))
+            };
+            let mut named = header.iter().filter(is_unit);
+            named.next().filter(|_| named.next().is_none()).map(String::as_str)
+        })
+    }
+
+    fn by_name(self, header: &[String]) -> Option<&str> {
         self.known().iter().find_map(|&(known, with_unit)| {
             let mut named = header.iter().filter(|name| self.stem_is(name, known, with_unit));
             let first = named.next()?;
@@ -314,6 +325,20 @@ mod tests {
         assert_eq!(Channel::Time.recognise(&header), Some("Time_s"));
         assert_eq!(Channel::Position.recognise(&header), Some("position_m"));
         assert_eq!(Channel::Force.recognise(&header), None);
+    }
+
+    #[test]
+    fn a_unit_alone_names_the_only_column_of_its_kind() {
+        let header = ["rpm", "mNm"].map(String::from);
+        assert_eq!(Channel::Velocity.recognise(&header), Some("rpm"));
+        assert_eq!(Channel::Force.recognise(&header), Some("mNm"));
+        assert_eq!(Channel::Position.recognise(&header), None);
+        let factor = |channel: Channel, name| channel.unit_in(name).unwrap().unwrap().factor;
+        assert!((factor(Channel::Velocity, "rpm") - std::f64::consts::PI / 30.0).abs() < 1e-15);
+        assert!((factor(Channel::Velocity, "deg_s") - std::f64::consts::PI / 180.0).abs() < 1e-15);
+        assert!((factor(Channel::Force, "mNm") - 1e-3).abs() < 1e-18);
+        let two = ["rpm", "rad/s"].map(String::from);
+        assert_eq!(Channel::Velocity.recognise(&two), None);
     }
 
     #[test]

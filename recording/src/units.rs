@@ -65,7 +65,8 @@ pub struct Parts<'a> {
     pub bracketed: bool,
 }
 
-/// Takes a name apart. The unit at the end of a name without brackets is the longest that is known.
+/// Takes a name apart. The unit at the end of a name without brackets is the longest that is known; a
+/// name of more than a letter may be a unit and nothing else, as `rpm`.
 #[must_use]
 pub fn parts(name: &str) -> Parts<'_> {
     let name = name.trim();
@@ -79,6 +80,9 @@ pub fn parts(name: &str) -> Parts<'_> {
             return none;
         }
         return Parts { stem: trimmed(&inner[..at]), unit: Some(unit), bracketed: true };
+    }
+    if name.chars().nth(1).is_some() && unit_of(name).is_some() {
+        return Parts { stem: "", unit: Some(name), bracketed: false };
     }
     for (at, separator) in name.match_indices(['_', ' ', '.', '/', '-']) {
         let (stem, unit) = (trimmed(&name[..at]), &name[at + separator.len()..]);
@@ -267,6 +271,15 @@ mod tests {
             let same = (found / factor - 1.0).abs() < 1e-8;
             assert!(same || found.is_nan() && factor.is_nan(), "{text}: {found}");
         }
+    }
+
+    #[test]
+    fn a_name_may_be_a_unit_and_nothing_else() {
+        for name in ["rpm", "deg_s", "rad/s", "mNm", "Ncm", " U/min "] {
+            assert_eq!(parts(name).unit, Some(name.trim()), "{name}");
+            assert_eq!(parts(name).stem, "", "{name}");
+        }
+        assert_eq!(parts("v").unit, None);
     }
 
     #[test]

@@ -35,8 +35,11 @@ const ROWS: usize = 20_000;
 const WORTH: f64 = 0.1;
 /// The same of a constant force, which nothing else goes with.
 const OFFSET_WORTH: f64 = 0.01;
-/// Standard errors that a gain must be clear of zero by.
+/// Standard errors that a gain must be clear of zero by, or how likely chance may be to give it.
 const CLEAR: f64 = 2.0;
+const CHANCE: f64 = 1.0 / 32.0;
+/// How likely chance may be to give a gain of one load over a simpler one: that of one standard error.
+const BETTER: f64 = 0.16;
 /// Share of the rows that the rarer direction needs: an axis that goes one way only does not tell an
 /// offset from its Coulomb friction.
 const BOTH_WAYS: f64 = 0.05;
@@ -49,8 +52,8 @@ const RIDGE: f64 = 1e-7;
 
 /// Chooses what is estimated beside friction. A constant force is used where it takes away a
 /// hundredth of the mean square error, a force of the position where it takes away a tenth of what
-/// a constant one leaves, each clear of chance by two standard errors over the blocks; of two that
-/// are within one standard error the simpler. `asymmetric` models have no constant force beside
+/// a constant one leaves, each clear of chance by two standard errors over the blocks or by the signs
+/// of what they gain; of two that are within one standard error the simpler. `asymmetric` models have no constant force beside
 /// them: they have it in their two directions. Nor has an axis that goes one way only. Gravity is
 /// offered to an axis that turns.
 pub fn choose_position_load(
@@ -86,7 +89,7 @@ pub fn choose_position_load(
         // Simple ones come first: a later one must be better by more than its standard error.
         let better = best.as_ref().is_none_or(|best| {
             let (gain, error) = gain(best, &with);
-            gain > error
+            gain > error || chance(best, &with) <= BETTER
         });
         if worth && better {
             (chosen, best) = (shape, Some(with));
@@ -124,7 +127,23 @@ fn gain(without: &[f64], with: &[f64]) -> (f64, f64) {
 
 fn clear(without: &[f64], with: &[f64], worth: f64) -> bool {
     let (gain, error) = gain(without, with);
-    gain > CLEAR * error && gain > worth * sum(without)
+    let clear = gain > CLEAR * error || chance(without, with) <= CHANCE;
+    clear && gain > worth * sum(without)
+}
+
+/// How likely so much gain is where each block might as well have lost what it gains: Fisher's test
+/// of all signs. A load that pulls where the axis goes far gains most of all in few blocks, which a
+/// standard error takes for chance.
+fn chance(without: &[f64], with: &[f64]) -> f64 {
+    let gains: Vec<f64> = without.iter().zip(with).map(|(a, b)| a - b).collect();
+    let found = sum(&gains) * (1.0 - 1e-9);
+    let signed = |signs: u32| {
+        let gain = |(k, gain): (usize, &f64)| if signs >> k & 1 == 0 { *gain } else { -gain };
+        gains.iter().enumerate().map(gain).sum::<f64>()
+    };
+    let all = 1u32 << gains.len().min(BLOCKS);
+    let many = (0..all).filter(|&signs| signed(signs) >= found).count();
+    many as f64 / f64::from(all)
 }
 
 /// What the fits see of recordings: samples that move, and steady points.

@@ -66,6 +66,27 @@ fn what_acts_beside_friction_is_told_from_friction() {
     assert_eq!(chosen(&data(|_| 0.0, 0.05)), LoadShape::NONE);
 }
 
+/// Back and forth, faster and faster: the spring pulls in the last blocks most of all.
+#[test]
+fn a_spring_is_found_where_only_the_end_of_a_recording_goes_far() {
+    let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(4);
+    let speeds = [0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2].into_iter().flat_map(|v| [v, -v]);
+    let velocity: Vec<f64> = speeds.flat_map(|v| [v; 750]).collect();
+    let position = velocity.iter().scan(0.0, |x, v| {
+        *x += v * DT;
+        Some(*x)
+    });
+    let position: Vec<f64> = position.collect();
+    let of = |(&v, q): (&f64, &f64)| {
+        0.12 * v.signum() + 0.04 * v + 0.155 * q + 1e-3 * rng.sample::<f64, _>(StandardNormal)
+    };
+    let friction = velocity.iter().zip(&position).map(of).collect();
+    let stretch = Stretch::new(DT, velocity, Some(position), friction).unwrap();
+    let data = FrictionData::sort(Vec::new(), vec![stretch], None);
+    let choice = choose_position_load(&data, true, false);
+    assert_eq!(choice.chosen.position, Load::Spring, "{:?}", choice.compared);
+}
+
 #[test]
 fn an_axis_that_goes_one_way_does_not_tell_an_offset_from_its_friction() {
     let mut recorded = recording(20.0, 1.3, |_| 0.3, 3);

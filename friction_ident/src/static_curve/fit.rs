@@ -66,7 +66,7 @@ fn best_curve(
     if at_edge {
         return without_dip(data, speeds, delta, outside);
     }
-    let mut polished = polish(data, values, &free)?;
+    let mut polished = polish(data, values, &free).unwrap_or(values);
     // The curve is even in v_s; the solver may have crossed zero.
     polished.v_s = polished.v_s.abs();
     let (low, high) = trial_range(speeds);
@@ -75,7 +75,10 @@ fn best_curve(
     }
     // The free optimum may break a bound that the scan respected; the scan's own fit stays then.
     let values = if valid(&polished) { polished } else { values };
-    let fit = summarise(data, values, &free, speeds)?;
+    // One speed alone in the dip tells neither how deep nor how wide it is.
+    let Ok(fit) = summarise(data, values, &free, speeds) else {
+        return without_dip(data, speeds, delta, outside);
+    };
     let dip = fit.parameters.f_s - fit.parameters.f_c;
     let covariance = &fit.covariance;
     let variance = covariance[F_S][F_S] + covariance[F_C][F_C] - 2.0 * covariance[F_S][F_C];

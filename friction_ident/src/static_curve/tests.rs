@@ -51,6 +51,27 @@ fn exact_data_give_the_truth_back() {
     assert_eq!(fit.unidentifiable, [None; 4]);
 }
 
+/// Five speeds each way, of which only the slowest is in the dip: such points were refused, with the
+/// advice to look for outliers.
+#[test]
+fn a_dip_at_the_slowest_speed_alone_is_no_error() {
+    let forward = [
+        (0.14590061, 0.083359726),
+        (0.83892853, 0.0727317),
+        (1.5319564, 0.084991556),
+        (2.2249844, 0.097342648),
+        (2.9180123, 0.10935955),
+    ];
+    let backward = [-0.072461062, -0.06196862, -0.074175588, -0.086778445, -0.098936015];
+    let both = forward
+        .iter()
+        .zip(backward)
+        .flat_map(|(&(v, ahead), back)| [SteadyPoint::new(v, ahead), SteadyPoint::new(-v, back)]);
+    let fit = fit(&both.collect::<Vec<_>>());
+    assert!(fit.unidentifiable[0].is_some() && fit.unidentifiable[2].is_some());
+    assert!((fit.parameters.f_v - 0.0174).abs() < 0.01, "{:?}", fit.parameters);
+}
+
 /// Real axes have friction that grows ever more slowly with speed (EMPS, a TX40's first joint). What
 /// fits it best is a dip as wide as all speeds over a negative `f_c`, which no friction has: it must
 /// not draw the intervals away from the estimates.

@@ -306,7 +306,7 @@ pub fn document(found: &Structured) -> Value {
 
 #[cfg(test)]
 mod tests {
-    use friction_ident::axis_structure::Shape;
+    use friction_ident::axis_structure::{Late, Shape};
 
     use super::*;
 
@@ -315,6 +315,7 @@ mod tests {
         let said = |first_speeds, excess| {
             let shape = Shape {
                 delay: 0.0,
+                late: Late::Delayed,
                 v_s: 1.0,
                 displacement: 1.0,
                 period: 1.0,

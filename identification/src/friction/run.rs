@@ -31,13 +31,14 @@ pub fn identify(
     progress: &Progress,
     cancel: &AtomicBool,
 ) -> Result<FrictionIdentification, FrictionError> {
-    let reach = settings.reach.or_else(|| reach(files.iter().chain(validation)));
+    let reach = settings.reach.or_else(|| bends(files));
     let (data, mut notes) = sorted(files, reach);
     let rotary = settings.axis == AxisKind::Rotary;
     let beside = choose_position_load(&data, rotary, settings.staged.asymmetric);
     let staged = StagedOptions { beside: beside.chosen, ..settings.staged };
     let settings = &Settings { staged, ..settings.clone() };
-    let held_out = (!validation.is_empty()).then(|| sorted(validation, reach).0);
+    let reach_there = reach.or_else(|| bends(validation));
+    let held_out = (!validation.is_empty()).then(|| sorted(validation, reach_there).0);
 
     let moved = moved(files, reach, settings);
 
@@ -190,36 +191,68 @@ fn moved(
         .collect()
 }
 
+/// Share of the longest travel that a contact bends by at most.
+const SHORT: f64 = 0.1;
+
 /// How far the contact bends, from stretches that turn back and forth and whose friction stays well
-/// below the level at which it slides.
-fn reach<'a>(files: impl Iterator<Item = &'a FrictionRecording> + Clone) -> Option<f64> {
-    let stretches = || files.clone().flat_map(|file| &file.stretches);
+/// below the level at which it slides. There it goes with the place more than with the direction, and
+/// the way is short beside any on which the axis slides.
+fn bends(files: &[FrictionRecording]) -> Option<f64> {
+    let stretches = || files.iter().flat_map(|file| &file.stretches);
+    let longest = stretches().map(way).fold(0.0, f64::max);
+    let slides = stretches().any(|stretch| !like_a_spring(stretch));
     let level = files
-        .clone()
+        .iter()
         .flat_map(|file| &file.points)
         .map(|point| point.torque.abs())
         .chain(stretches().map(|stretch| root_mean_square(&stretch.friction)))
         .fold(f64::NAN, f64::max);
     let slowest_level = files
-        .clone()
+        .iter()
         .flat_map(|file| &file.points)
         .map(|point| point.torque.abs())
         .fold(level, f64::min);
     let reaches = stretches()
         .filter(|stretch| {
-            root_mean_square(&stretch.friction) < 0.8 * slowest_level && turns(stretch)
+            root_mean_square(&stretch.friction) < 0.8 * slowest_level
+                && turns(stretch)
+                && like_a_spring(stretch)
+                && (!slides || way(stretch) < SHORT * longest)
         })
-        .map(|stretch| {
-            let travel = stretch.travel();
-            let (low, high) =
-                travel.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| {
-                    (low.min(x), high.max(x))
-                });
-            high - low
-        });
+        .map(way);
     reaches
         .fold(None, |most: Option<f64>, range| Some(most.map_or(range, |most| most.max(range))))
         .map(|range| 0.55 * range)
+}
+
+/// From one end of the travel to the other \[m or rad\].
+fn way(stretch: &Stretch) -> f64 {
+    let ends = stretch
+        .travel()
+        .into_iter()
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+    ends[1] - ends[0]
+}
+
+/// Whether friction goes with the place more than with the direction of motion.
+fn like_a_spring(stretch: &Stretch) -> bool {
+    let directions: Vec<f64> = stretch.velocity.iter().map(|v| v.signum()).collect();
+    let with = |values: &[f64]| correlation(values, &stretch.friction).abs();
+    with(&stretch.travel()) > with(&directions)
+}
+
+/// Pearson's coefficient of two columns of one length; 0 where one is constant.
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let (mean_a, mean_b) = (mean(a), mean(b));
+    let (mut both, mut of_a, mut of_b) = (0.0, 0.0, 0.0);
+    for (a, b) in a.iter().zip(b) {
+        let (a, b) = (a - mean_a, b - mean_b);
+        both += a * b;
+        of_a += a * a;
+        of_b += b * b;
+    }
+    if of_a > 0.0 && of_b > 0.0 { both / (of_a * of_b).sqrt() } else { 0.0 }
 }
 
 /// Whether the travel goes both ways for a good part of its range.
@@ -262,9 +295,25 @@ mod tests {
     #[test]
     fn pre_sliding_is_told_by_its_friction() {
         let points = vec![SteadyPoint::new(0.5, 0.1), SteadyPoint::new(1.0, 0.12)];
-        let found =
-            reach([recording(points.clone(), vec![swing(0.004), swing(2.0)])].iter()).unwrap();
+        let found = bends(&[recording(points.clone(), vec![swing(0.004), swing(2.0)])]).unwrap();
         assert!((found / 0.0044 - 1.0).abs() < 0.01, "{found}");
-        assert_eq!(reach([recording(points, vec![swing(2.0)])].iter()), None);
+        assert_eq!(bends(&[recording(points, vec![swing(2.0)])]), None);
+    }
+
+    /// A joint that slides back and forth by 0.5 rad, with less friction than where it goes fast, is
+    /// not stuck.
+    #[test]
+    fn a_stretch_that_slides_slowly_is_no_pre_sliding() {
+        let slide = |speed: f64| {
+            let time = (0..6000).map(|k| f64::from(k) * 1e-3);
+            let position: Vec<f64> = time.clone().map(|t| 0.5 * (speed * t).sin()).collect();
+            let velocity: Vec<f64> = time.map(|t| 0.5 * speed * (speed * t).cos()).collect();
+            let friction = velocity.iter().map(|v| 0.1 * v.signum() + 0.05 * v).collect();
+            Stretch::new(1e-3, velocity, Some(position), friction).unwrap()
+        };
+        let slow = recording(vec![], vec![slide(2.0), slide(8.0)]);
+        assert_eq!(bends(std::slice::from_ref(&slow)), None);
+        let with_stuck = recording(vec![], vec![slide(2.0), slide(8.0), swing(0.004)]);
+        assert!((bends(&[with_stuck]).unwrap() - 0.0044).abs() < 1e-5);
     }
 }
