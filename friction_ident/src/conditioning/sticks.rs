@@ -46,7 +46,8 @@ pub(super) fn sticking(position: &[f64], step: f64, reach: usize) -> Vec<bool> {
     mark(&mut sticks, position, same.first..position.len(), same.middle(), AWAY * step);
     let mut spread = vec![false; position.len()];
     for (k, _) in sticks.iter().enumerate().filter(|(_, sticks)| **sticks) {
-        let near = k.saturating_sub(reach)..(k + reach + 1).min(spread.len());
+        let near =
+            k.saturating_sub(reach)..k.saturating_add(reach).saturating_add(1).min(spread.len());
         spread.get_mut(near).unwrap_or_default().fill(true);
     }
     spread
@@ -123,6 +124,16 @@ mod tests {
     fn share(position: &[f64]) -> f64 {
         let sticks = sticking(position, smallest_step(position), 0);
         sticks.iter().filter(|sticks| **sticks).count() as f64 / sticks.len() as f64
+    }
+
+    /// A period that is next to nothing makes any spread longer than all samples can be counted.
+    #[test]
+    fn a_stick_may_spread_without_end() {
+        let mut stops = vec![0.0, 20.0, 40.0];
+        stops.extend([60.0; 6]);
+        stops.extend([80.0, 100.0, 120.0]);
+        let sticks = |reach| sticking(&stops, 1.0, reach).iter().filter(|sticks| **sticks).count();
+        assert_eq!((sticks(0), sticks(1), sticks(usize::MAX)), (6, 8, 12));
     }
 
     /// Motion that turns, is slow, or stands for ever does not stick by this; what stops for 20 ms at
