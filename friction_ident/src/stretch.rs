@@ -188,6 +188,12 @@ impl Stretch {
         }
     }
 
+    /// From one end of the travel to the other \[m or rad\].
+    #[must_use]
+    pub fn range(&self) -> f64 {
+        extent(&self.travel())
+    }
+
     /// The steady point that a stretch at constant velocity is worth: means, and the standard error
     /// of the mean friction.
     pub fn steady_point(&self) -> SteadyPoint {

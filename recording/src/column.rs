@@ -266,6 +266,8 @@ impl Channel {
             .and_then(units::unit_of)
             .is_some_and(|unit| usable.is_err() && unit.quantity != Quantity::Bare);
         match usable {
+            // `sec` is both a usual name and a unit.
+            Ok(Some(_)) if found.stem.is_empty() => same(name.trim()) && !with_unit,
             Ok(Some(_)) => same(found.stem),
             Ok(None) => same(name.trim()) && !with_unit,
             Err(_) => same(found.stem) && !with_unit && !other,
@@ -337,6 +339,9 @@ mod tests {
         assert!((factor(Channel::Velocity, "rpm") - std::f64::consts::PI / 30.0).abs() < 1e-15);
         assert!((factor(Channel::Velocity, "deg_s") - std::f64::consts::PI / 180.0).abs() < 1e-15);
         assert!((factor(Channel::Force, "mNm") - 1e-3).abs() < 1e-18);
+        // A usual name that is a unit comes before a unit that is no usual name.
+        let header = ["ms", "sec"].map(String::from);
+        assert_eq!(Channel::Time.recognise(&header), Some("sec"));
         let two = ["rpm", "rad/s"].map(String::from);
         assert_eq!(Channel::Velocity.recognise(&two), None);
     }

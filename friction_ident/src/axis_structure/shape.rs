@@ -50,10 +50,9 @@ pub struct Shape {
     pub damped: f64,
 }
 
-#[cfg(test)]
 impl Shape {
     /// Values for structures that have none of them.
-    pub(super) const UNUSED: Self = Self {
+    pub const UNUSED: Self = Self {
         delay: 0.0,
         late: Late::Delayed,
         v_s: 1.0,

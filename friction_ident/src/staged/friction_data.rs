@@ -26,12 +26,7 @@ impl FrictionData {
     /// otherwise a stretch that moves less than a thousandth of the longest one counts as
     /// pre-sliding.
     pub fn sort(points: Vec<SteadyPoint>, stretches: Vec<Stretch>, reach: Option<f64>) -> Self {
-        let range = |stretch: &Stretch| {
-            let travel = stretch.travel();
-            travel.iter().copied().fold(f64::NEG_INFINITY, f64::max)
-                - travel.iter().copied().fold(f64::INFINITY, f64::min)
-        };
-        let longest = stretches.iter().map(range).fold(0.0, f64::max);
+        let longest = stretches.iter().map(Stretch::range).fold(0.0, f64::max);
         let reach = reach.unwrap_or(0.5e-3 * longest);
         let mut data = Self { points, ..Self::default() };
         for stretch in stretches {

@@ -306,25 +306,16 @@ pub fn document(found: &Structured) -> Value {
 
 #[cfg(test)]
 mod tests {
-    use friction_ident::axis_structure::{Late, Shape};
+    use friction_ident::axis_structure::Shape;
 
     use super::*;
 
     #[test]
     fn what_predicts_better_and_is_not_chosen_says_why() {
         let said = |first_speeds, excess| {
-            let shape = Shape {
-                delay: 0.0,
-                late: Late::Delayed,
-                v_s: 1.0,
-                displacement: 1.0,
-                period: 1.0,
-                ratio: 1.0,
-                damped: 0.0,
-            };
             let score = CrossValidation {
                 structure: AxisStructure { stribeck: true, ..AxisStructure::SYMMETRIC },
-                shape,
+                shape: Shape::UNUSED,
                 blocks: vec![],
                 force_power: 1.0,
                 relative_error: 1.0,

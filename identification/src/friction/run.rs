@@ -199,7 +199,7 @@ const SHORT: f64 = 0.1;
 /// the way is short beside any on which the axis slides.
 fn bends(files: &[FrictionRecording]) -> Option<f64> {
     let stretches = || files.iter().flat_map(|file| &file.stretches);
-    let longest = stretches().map(way).fold(0.0, f64::max);
+    let longest = stretches().map(Stretch::range).fold(0.0, f64::max);
     let slides = stretches().any(|stretch| !like_a_spring(stretch));
     let level = files
         .iter()
@@ -217,21 +217,12 @@ fn bends(files: &[FrictionRecording]) -> Option<f64> {
             root_mean_square(&stretch.friction) < 0.8 * slowest_level
                 && turns(stretch)
                 && like_a_spring(stretch)
-                && (!slides || way(stretch) < SHORT * longest)
+                && (!slides || stretch.range() < SHORT * longest)
         })
-        .map(way);
+        .map(Stretch::range);
     reaches
         .fold(None, |most: Option<f64>, range| Some(most.map_or(range, |most| most.max(range))))
         .map(|range| 0.55 * range)
-}
-
-/// From one end of the travel to the other \[m or rad\].
-fn way(stretch: &Stretch) -> f64 {
-    let ends = stretch
-        .travel()
-        .into_iter()
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
-    ends[1] - ends[0]
 }
 
 /// Whether friction goes with the place more than with the direction of motion.
