@@ -9,12 +9,14 @@ use crate::micro_damping::Oscillator;
 use crate::parameter_id::{ParameterId, Side};
 use crate::uncertain::Uncertain;
 
+/// Share of the whole damping that a contact gets where viscous friction leaves nothing to it.
+const TRACE: f64 = 1e-2;
+
 /// The model with its micro-damping computed, and the values with the standard error that the
 /// inertia's brings.
 ///
 /// # Errors
-/// [`IdentError::NotAnOscillator`] for an impossible inertia, and where viscous friction damps more
-/// than was asked for.
+/// [`IdentError::NotAnOscillator`] for an impossible inertia, stiffness or damping ratio.
 pub fn with_computed_damping(
     model: &AnyModel,
     inertia: Uncertain,
@@ -37,12 +39,13 @@ pub fn with_computed_damping(
                 f_v: Uncertain::exact(f_v),
                 zeta: damping_ratio,
             };
-            let critical = 2.0 * damping_ratio * (inertia.value * k).sqrt();
-            // Beside a soft element viscous friction alone damps more than was asked for: it gets a
-            // trace, with no error of its own.
-            let (computed, source) = if list && critical <= f_v {
+            let whole = Oscillator { f_v: Uncertain::exact(0.0), ..oscillator };
+            let whole = whole.micro_damping()?.value;
+            // Beside a soft contact viscous friction alone may damp more than was asked for: it gets
+            // a trace, with no error of its own.
+            let (computed, source) = if whole <= f_v {
                 (
-                    Uncertain::exact(1e-3 * critical),
+                    Uncertain::exact(TRACE * whole),
                     "a trace: viscous friction alone damps more than was asked for",
                 )
             } else {
@@ -90,7 +93,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_soft_element_beside_strong_viscous_friction_gets_a_trace() {
+    fn a_soft_contact_beside_strong_viscous_friction_gets_a_trace() {
         let mut parameters = AnyModel::test_bed(ModelName::Gms).parameters();
         parameters.set_at("sigma0", 3, 0.01);
         let (model, found) = with_computed_damping(
@@ -105,9 +108,12 @@ mod tests {
         assert!(
             matches!(found.parameters[3].verdict, crate::Verdict::Given { source } if source.contains("trace"))
         );
-        // A contact without elements would not be damped at all: that is refused.
+        // So does a contact without elements; an impossible inertia is refused.
         let lugre = AnyModel::test_bed(ModelName::LuGre).scaled("f_v", 50.0).unwrap();
-        assert!(with_computed_damping(&lugre, Uncertain::exact(0.0026), 0.7, true).is_err());
+        let (model, _) =
+            with_computed_damping(&lugre, Uncertain::exact(0.0026), 0.7, true).unwrap();
+        assert!(model.parameter("sigma1").unwrap() < 0.01);
+        assert!(with_computed_damping(&lugre, Uncertain::exact(0.0), 0.7, true).is_err());
     }
 
     /// Errata 2: J = 0.0026, zeta = 0.7, f_v = 0.0403 and the stiffnesses of tables 4.4 to 4.7 give

@@ -5,8 +5,10 @@
 //! static characteristic from constant velocities, the stiffness from pre-sliding, the
 //! micro-damping from a damping ratio and the inertia (thesis eqs. 4.36 to 4.40, corrected), the
 //! lag from velocity that varies one way. An output-error fit over everything (the joint stage) may
-//! follow; it starts where the stages end.
+//! follow; it starts where the stages end, and estimates the micro-damping too where the recordings
+//! contradict the computed one.
 
+mod damping;
 mod friction_data;
 mod last_word;
 mod load_choice;
@@ -27,6 +29,7 @@ use crate::estimate::Estimates;
 use crate::information::Information;
 use crate::output_error::Predictor;
 use crate::position_load::PositionLoad;
+use damping::Damping;
 use work::Work;
 
 pub use friction_data::FrictionData;
@@ -82,33 +85,43 @@ pub fn identify_model(
 ) -> Result<Identified, IdentError> {
     let mut work = Work::new(name, data, options);
     let model = work.static_stage(watch)?;
+    let model = work.with_a_level(model);
     let model = work.dynamic_stage(Stage::PreSliding, model, watch)?;
     let model = work.micro_damping(model)?;
     let model = work.dynamic_stage(Stage::Lag, model, watch)?;
-    let model = work.joint(model, &model, watch)?;
+    let damping = work.damping();
+    let model = work.joint(model, &model, damping, watch)?;
     Ok(work.finish(model))
 }
 
-/// The joint refinement alone, begun at `model`: how its parameters answer when the recordings
-/// change a little. `by_stages` is what the stages find in `data`; its residuals weigh the
-/// recordings, as in [`identify_model`]. None where `data` holds no motion.
+/// The joint refinement alone, begun at what was `found`: how its parameters answer when the
+/// recordings change a little. `by_stages` is what the stages find in `data`; its residuals weigh
+/// the recordings, as in [`identify_model`]. What was computed then is computed now, what was
+/// estimated is estimated. None where `data` holds no motion.
 ///
 /// # Errors
 /// [`IdentError`] for recordings that are not fit for use.
 pub fn refine_jointly(
-    model: &AnyModel,
+    found: &Identified,
     by_stages: &AnyModel,
     data: &FrictionData,
     options: &StagedOptions,
     watch: &mut dyn FnMut(Stage, &Step) -> ControlFlow<()>,
 ) -> Result<Option<StageResult>, IdentError> {
     let options = StagedOptions { joint: true, ..*options };
-    let mut work = Work::new(model.name(), data, &options);
-    let model = work.micro_damping(*model)?;
-    work.joint(model, by_stages, watch)?;
+    let mut work = Work::new(found.name, data, &options);
+    let computed = found.stages.iter().any(|stage| stage.stage == Stage::MicroDamping);
+    let (model, damping) = if computed {
+        (work.micro_damping(found.model)?, Damping::Computed)
+    } else {
+        (found.model, Damping::Estimated)
+    };
+    work.joint(model, by_stages, damping, watch)?;
     Ok(work.last().filter(|last| last.stage == Stage::Joint))
 }
 
+#[cfg(test)]
+mod damping_tests;
 #[cfg(test)]
 mod load_tests;
 #[cfg(test)]

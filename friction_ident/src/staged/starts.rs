@@ -1,15 +1,62 @@
 //! Where the dynamic stages begin: from the specialised fits, which scan and need no start
 //! themselves.
 
-use friction_model::{AnyModel, ModelName};
+use friction_model::{AnyModel, AnyParameters, ModelName};
 
 use super::stage::PRE_SLIDING;
 use super::work::Work;
 use crate::frictional_lag::{LagOptions, LagRecording, fit_lag};
 use crate::output_error::{Measured, Predictor, prediction_rms};
 use crate::pre_sliding::{PreSlidingModel, PreSlidingPath, fit_pre_sliding};
+use crate::stretch::Stretch;
+
+/// Coulomb levels that are tried where the static characteristic has none, as shares of the largest
+/// friction.
+const LEVELS: [f64; 5] = [0.03, 0.1, 0.3, 0.6, 0.9];
 
 impl Work<'_> {
+    /// The model with a Coulomb level, where the static characteristic has none to speak of. A
+    /// contact that bends for as long as it slides shows none in bins of the speed, and what is
+    /// nearly zero is left by factors only: the search that follows begins at the best of a few
+    /// levels.
+    pub(super) fn with_a_level(&self, model: AnyModel) -> AnyModel {
+        let stretches: Vec<Stretch> = [&self.data.pre_sliding, &self.data.lag, &self.data.mixed]
+            .into_iter()
+            .flatten()
+            .cloned()
+            .collect();
+        let friction = stretches.iter().flat_map(|stretch| &stretch.friction);
+        let largest = friction.fold(0.0, |largest: f64, f| largest.max(f.abs()));
+        let at_least = |share: f64| {
+            let raised = |mut side: AnyParameters| {
+                for name in ["f_s", "f_c"] {
+                    let now = side.values(name).first().copied().unwrap_or(f64::INFINITY);
+                    let dip = if name == "f_s" { 1.001 } else { 1.0 };
+                    side.set(name, now.max(dip * share * largest));
+                }
+                side
+            };
+            let (forward, backward) = model.parameters().sides();
+            let (forward, backward) = (raised(forward), raised(backward));
+            match model.parameters() {
+                AnyParameters::Asymmetric(_) => {
+                    AnyParameters::asymmetric(forward, backward).ok()?.try_into().ok()
+                }
+                _ => forward.try_into().ok(),
+            }
+        };
+        let sides = model.parameters().sides();
+        let has_one = |side: &AnyParameters| {
+            side.values("f_c").first().is_none_or(|f_c| *f_c >= LEVELS[0] * largest)
+        };
+        if stretches.is_empty() || (has_one(&sides.0) && has_one(&sides.1)) {
+            return model;
+        }
+        let measured = Measured { stretches: &stretches, ..Measured::default() };
+        let tried = LEVELS.into_iter().filter_map(at_least);
+        tried.min_by(|a, b| error(a, &measured).total_cmp(&error(b, &measured))).unwrap_or(model)
+    }
+
     /// The model with the lengths, stiffnesses and shares of the best hysteresis operator, found by
     /// a scan over all of them, where that is nearer to the recordings. A path that cannot be
     /// fitted so leaves the model as it is: the search that follows may still do better.

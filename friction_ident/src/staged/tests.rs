@@ -18,7 +18,7 @@ fn along(truth: &AnyModel, samples: usize, velocity: impl Fn(f64) -> f64) -> Str
 }
 
 /// Experiments 1, 3 and 2 and a mixed motion, exact but for white noise on the friction.
-fn experiments(truth: &AnyModel, noise: f64, seed: u64) -> FrictionData {
+pub(super) fn experiments(truth: &AnyModel, noise: f64, seed: u64) -> FrictionData {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let speeds = (0..80).map(|i| {
         if i < 30 {
@@ -50,7 +50,11 @@ fn experiments(truth: &AnyModel, noise: f64, seed: u64) -> FrictionData {
     FrictionData::sort(points, stretches, Some(0.006))
 }
 
-fn identify(name: ModelName, data: &FrictionData, options: &StagedOptions) -> Identified {
+pub(super) fn identify(
+    name: ModelName,
+    data: &FrictionData,
+    options: &StagedOptions,
+) -> Identified {
     identify_model(name, data, options, &mut |_, _| ControlFlow::Continue(())).unwrap()
 }
 
@@ -246,5 +250,25 @@ fn standstill_does_not_spoil_a_static_model() {
         }
         let level = found.information.mse.sqrt();
         assert!(level < 5e-3, "{name}: only what it predicts counts: {level}");
+    }
+}
+
+/// A contact so soft that it hardly slides: what friction is at low speed, in the mean of both ways
+/// there, is nothing. The search began at that nothing and could not leave it by more than a factor
+/// of a million.
+#[test]
+fn a_level_that_binned_sliding_does_not_show_is_found_all_the_same() {
+    let truth = AnyModel::test_bed(Dahl);
+    for softer in [0.02, 0.05, 0.1] {
+        let truth = truth.scaled("sigma0", softer).unwrap().scaled("f_v", 0.2).unwrap();
+        let swing = along(&truth, 6000, |t| 0.4 * (8.0 * t).cos());
+        let found = identify(
+            Dahl,
+            &FrictionData::sort(Vec::new(), vec![swing], None),
+            &StagedOptions::default(),
+        );
+        let f_c = found.estimates.value("f_c").unwrap();
+        assert!((f_c / truth.parameter("f_c").unwrap() - 1.0).abs() < 1e-3, "{softer}: {f_c}");
+        assert!(found.converged, "{softer}");
     }
 }

@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 
 use friction_model::{AnyModel, ModelName};
 
+use super::damping::Damping;
 use super::friction_data::{weighted, weighted_points};
 use super::last_word::{last_word, take_over};
 use super::load_choice::first_values;
@@ -14,7 +15,6 @@ use super::{FrictionData, Identified, Stage, StageResult, StagedOptions};
 use crate::IdentError;
 use crate::axis_term::AxisTerm;
 use crate::bounded::{Ending, Step};
-use crate::damped_model::with_computed_damping;
 use crate::estimate::{Doubt, Estimates, Verdict};
 use crate::free_parameters::FreeParameters;
 use crate::information::Information;
@@ -39,14 +39,14 @@ pub(super) struct Work<'a> {
     /// What was taken out of `data`.
     taken: PositionLoad,
     /// What acts beside friction, by the last fit that estimated it.
-    load: PositionLoad,
-    stages: Vec<StageResult>,
-    notes: Vec<String>,
-    stopped: bool,
-    converged: bool,
+    pub(super) load: PositionLoad,
+    pub(super) stages: Vec<StageResult>,
+    pub(super) notes: Vec<String>,
+    pub(super) stopped: bool,
+    pub(super) converged: bool,
 }
 
-type Watch<'w> = &'w mut dyn FnMut(Stage, &Step) -> ControlFlow<()>;
+pub(super) type Watch<'w> = &'w mut dyn FnMut(Stage, &Step) -> ControlFlow<()>;
 
 impl<'a> Work<'a> {
     pub fn new(name: ModelName, measured: &'a FrictionData, options: &'a StagedOptions) -> Self {
@@ -163,32 +163,13 @@ impl<'a> Work<'a> {
         Ok(self.keep(stage, samples, fit))
     }
 
-    /// `sigma = 2 zeta sqrt(J k) - f_v`, of each element its own.
-    pub fn micro_damping(&mut self, model: AnyModel) -> Result<AnyModel, IdentError> {
-        let Some(inertia) = self.options.inertia else { return Ok(model) };
-        let free = FreeParameters::new(&model, |row| DAMPING.contains(&row.name));
-        if free.ids().is_empty() {
-            return Ok(model);
-        }
-        let rotary = self.options.output_error.rotary;
-        let (model, estimates) =
-            with_computed_damping(&model, inertia, self.options.damping_ratio, rotary)?;
-        self.stages.push(StageResult {
-            stage: Stage::MicroDamping,
-            samples: 0,
-            rms: 0.0,
-            estimates,
-            left: None,
-        });
-        Ok(model)
-    }
-
     /// Everything free, over everything, each recording as heavy as the residuals of `by_stages` on
     /// it are small.
     pub fn joint(
         &mut self,
         model: AnyModel,
         by_stages: &AnyModel,
+        damping: Damping,
         watch: Watch,
     ) -> Result<AnyModel, IdentError> {
         let stretches: Vec<Stretch> = [&self.data.pre_sliding, &self.data.lag, &self.data.mixed]
@@ -199,22 +180,18 @@ impl<'a> Work<'a> {
         if self.stopped || !self.options.joint || stretches.is_empty() {
             return Ok(model);
         }
-        let computed = self.stages.iter().any(|stage| stage.stage == Stage::MicroDamping);
-        let shown = |name: &str| {
-            STATIC.contains(&name)
-                || PRE_SLIDING.contains(&name)
-                || LAG.contains(&name)
-                || (DAMPING.contains(&name) && !computed)
-        };
-        let free = FreeParameters::new(&model, |row| shown(row.name));
         let points = weighted_points(&self.data.points, by_stages);
         let measured =
             Measured { points: &points, stretches: &stretches, beside: self.options.beside };
-        let fit = self.fit(Stage::Joint, &free, &measured, watch)?;
+        let fit = match damping {
+            Damping::Computed => self.refine(&model, false, &measured, watch)?,
+            Damping::Estimated => self.refine(&model, true, &measured, watch)?,
+            Damping::Either => self.refine_either(&model, &measured, watch)?,
+        };
         Ok(self.keep(Stage::Joint, measured.len(), fit))
     }
 
-    fn fit(
+    pub(super) fn fit(
         &mut self,
         stage: Stage,
         free: &FreeParameters,

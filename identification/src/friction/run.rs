@@ -124,7 +124,7 @@ fn one_model(
     let refit = |data: &_| {
         let stages = identify_model(name, data, &stages_only, &mut watch)?;
         let joint = if settings.staged.joint {
-            refine_jointly(&found.model, &stages.model, data, &settings.staged, &mut watch)?
+            refine_jointly(&found, &stages.model, data, &settings.staged, &mut watch)?
         } else {
             None
         };
