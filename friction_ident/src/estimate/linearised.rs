@@ -63,7 +63,8 @@ impl NormalEquations<'_> {
                 let value = self.x[j];
                 let known = free.contains(&j) && inverse.is_some();
                 let standard_error = known.then(|| covariance[j][j].sqrt());
-                let verdict = match doubt(self, unknowns, &correlation, standard_error, j) {
+                let verdict = match doubt(self, unknowns, &correlation, (standard_error, factor), j)
+                {
                     Some(doubt) => Verdict::NotIdentifiable { doubt, remedy },
                     None => Verdict::Identified,
                 };
@@ -84,7 +85,7 @@ fn doubt(
     minimum: &NormalEquations,
     unknowns: &[Unknown],
     correlation: &[Vec<f64>],
-    standard_error: Option<f64>,
+    (standard_error, factor): (Option<f64>, f64),
     j: usize,
 ) -> Option<Doubt> {
     let value = minimum.x[j];
@@ -108,8 +109,13 @@ fn doubt(
         });
     }
     let relative_error = error / value.abs();
-    (relative_error > 0.5 || relative_error.is_nan())
-        .then_some(Doubt::LargeError { relative_error })
+    is_large(relative_error, factor).then_some(Doubt::LargeError { relative_error })
+}
+
+/// Whether an error leaves open that there is anything: more than half the value, or an interval,
+/// `factor` errors to each side, that reaches zero.
+pub(super) fn is_large(relative_error: f64, factor: f64) -> bool {
+    relative_error > 0.5 || factor * relative_error >= 1.0 || relative_error.is_nan()
 }
 
 #[cfg(test)]
@@ -119,6 +125,19 @@ mod tests {
     use super::*;
     use crate::bounded::{Bound, Patience, Residuals, minimise};
     use crate::parameter_id::ParameterId;
+
+    /// Of few residuals the interval is wide: one through zero is no finding, even where the error
+    /// is less than half the value.
+    #[test]
+    fn what_an_interval_through_zero_leaves_open_is_not_identified() {
+        assert!(!is_large(0.4, 2.0) && is_large(0.4, 2.6) && is_large(0.51, 1.9));
+        let y = [1.2, -0.2, 0.9, 0.7];
+        let found = fit(&[vec![1.0; 4]], &y, &[Bound::free(1.0)]);
+        let mean = &found.parameters[0];
+        let relative = mean.standard_error.unwrap() / mean.value;
+        assert!(relative > 0.4 && relative < 0.5, "{relative}");
+        assert!(mean.interval.unwrap().low < 0.0 && !mean.is_identified(), "{mean:?}");
+    }
 
     /// `a + b t + c t` (or a third column of its own) against given data.
     struct Line<'a> {

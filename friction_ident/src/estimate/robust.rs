@@ -1,5 +1,6 @@
 //! Errors of a fit along recordings, under coloured residuals and model error.
 
+use super::linearised::is_large;
 use super::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Verdict};
 use crate::bounded::Minimum;
 use crate::robust_covariance::{Course, robust_covariance};
@@ -39,7 +40,7 @@ pub(crate) fn robust_errors(
         let (low, high) = (estimate.value - half, estimate.value + half);
         estimate.interval = Some(Interval { low, high, method: IntervalMethod::Robust });
         let relative_error = error.standard_error / estimate.value.abs();
-        let large = relative_error > 0.5 || relative_error.is_nan();
+        let large = is_large(relative_error, half / error.standard_error);
         let was_large = matches!(
             estimate.verdict,
             Verdict::NotIdentifiable { doubt: Doubt::LargeError { .. }, .. }

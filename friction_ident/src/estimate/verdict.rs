@@ -55,13 +55,18 @@ pub(crate) fn of_its_value(relative_error: f64) -> String {
     }
 }
 
+/// What makes an error of less than half the value a large one.
+fn to_zero(relative_error: f64) -> &'static str {
+    if relative_error <= 0.5 { ", and its interval reaches zero" } else { "" }
+}
+
 /// Why the data do not determine a parameter.
 #[derive(Debug, Clone, PartialEq, Serialize, thiserror::Error)]
 #[serde(tag = "reason", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Doubt {
-    /// The standard error is more than half the value.
-    #[error("its standard error is {}", of_its_value(*relative_error))]
+    /// The standard error is more than half the value, or the interval reaches zero.
+    #[error("its standard error is {}{}", of_its_value(*relative_error), to_zero(*relative_error))]
     LargeError {
         /// Standard error over value.
         relative_error: f64,
@@ -224,6 +229,10 @@ mod tests {
     fn an_error_beyond_sense_is_told_in_times() {
         let doubt = |relative_error| Doubt::LargeError { relative_error }.to_string();
         assert_eq!(doubt(0.62), "its standard error is 62 % of its value");
+        assert_eq!(
+            doubt(0.42),
+            "its standard error is 42 % of its value, and its interval reaches zero"
+        );
         assert_eq!(doubt(3_222_979.53), "its standard error is more than 10 times its value");
         assert_eq!(doubt(f64::INFINITY), "its standard error is more than 10 times its value");
     }

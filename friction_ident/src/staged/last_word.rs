@@ -3,12 +3,14 @@
 use friction_model::AnyModel;
 
 use super::StageResult;
+use super::exponent::{Exponent, has_exponent};
 use crate::axis_term::AxisTerm;
 use crate::estimate::{Estimate, Estimates, Interval, IntervalMethod, Verdict};
 use crate::free_parameters::{FreeParameters, remedy};
 use crate::parameter_id::{ParameterId, Side};
 use crate::position_load::{self, PositionLoad};
 use crate::static_curve::{StribeckFit, StribeckParameter};
+use crate::statistics::student_95;
 
 /// The scan over all Stribeck velocities knows better than a local fit whether there is a dip, and
 /// its profile where the intervals end.
@@ -22,6 +24,11 @@ pub(super) fn take_over(estimates: &mut Estimates, side: Side, curve: &StribeckF
         let holds = |&(low, high): &(f64, f64)| (low..=high).contains(&estimate.value);
         if let (Some((low, high)), true) = (profile.filter(holds), has_dip) {
             estimate.interval = Some(Interval { low, high, method: IntervalMethod::Profile });
+            // What other exponents of the dip leave open belongs to the error too.
+            let half = 0.5 * (high - low) / student_95(curve.degrees_of_freedom);
+            if let Some(error) = estimate.standard_error.as_mut().filter(|_| half.is_finite()) {
+                *error = error.max(half);
+            }
         }
         if let Some(why) = why {
             let remedy = remedy(id.name);
@@ -36,6 +43,7 @@ pub(super) fn last_word(
     stages: &[StageResult],
     terms: &[AxisTerm],
     load: PositionLoad,
+    exponent: Exponent,
     rotary: bool,
 ) -> Estimates {
     let all = FreeParameters::new(model, |_| true);
@@ -55,6 +63,8 @@ pub(super) fn last_word(
                     value,
                     if terms.iter().any(|term| unknown.id == ParameterId::new(term.name())) {
                         "from a linear fit of all that slides, before the model's own"
+                    } else if unknown.id.name == "delta" && has_exponent(model.name()) {
+                        exponent.source()
                     } else {
                         "no recording shows it: the value it started with"
                     },

@@ -169,3 +169,15 @@ fn steady_points_show_an_offset_and_where_they_know_their_place_gravity() {
     let data = FrictionData { points: points(true), ..FrictionData::default() };
     assert_eq!(chosen(&data).position, Load::Gravity);
 }
+
+/// A contact that bends by a good part of the way is no spring beside friction.
+#[test]
+fn a_contact_that_hardly_slides_is_no_spring() {
+    // It bends by 0.01 before it slides.
+    for reach in [0.01, 0.02, 0.05] {
+        let without = chosen(&data(|_| 0.0, reach));
+        assert_eq!(without.position, Load::None, "{reach}");
+    }
+    let stiff = |q: f64| 10.0 * q;
+    assert_eq!(chosen(&data(stiff, 0.1)).position, Load::Spring);
+}

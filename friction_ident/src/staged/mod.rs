@@ -9,9 +9,11 @@
 //! contradict the computed one.
 
 mod damping;
+mod exponent;
 mod friction_data;
 mod last_word;
 mod load_choice;
+mod load_rows;
 mod options;
 mod prediction;
 mod stage;

@@ -272,3 +272,32 @@ fn a_level_that_binned_sliding_does_not_show_is_found_all_the_same() {
         assert!(found.converged, "{softer}");
     }
 }
+
+/// Steady points of a dip of another shape than the usual one: static friction came out far from the
+/// truth with a narrow interval, and the exponent said that no recording shows it.
+#[test]
+fn steady_points_tell_the_exponent_of_the_dip() {
+    let mut parameters = AnyModel::test_bed(Stribeck).parameters();
+    for (name, value) in [("f_s", 1.5), ("f_c", 1.0), ("v_s", 0.1), ("f_v", 0.1), ("delta", 1.0)] {
+        parameters.set(name, value);
+    }
+    let truth: AnyModel = parameters.try_into().unwrap();
+    let mut rng = Pcg64Mcg::seed_from_u64(1);
+    let points = (0..60).map(|k| {
+        let v = 0.016 * 250f64.powf(f64::from(k / 2) / 29.0);
+        let v = if k % 2 == 0 { v } else { -v };
+        let noise = 3e-3 * rng.sample::<f64, _>(StandardNormal);
+        SteadyPoint::new(v, truth.steady_state(v) + noise)
+    });
+    let data = FrictionData { points: points.collect(), ..FrictionData::default() };
+    let found = identify(Stribeck, &data, &StagedOptions::default());
+    for (name, value) in [("f_s", 1.5), ("f_c", 1.0), ("v_s", 0.1), ("f_v", 0.1)] {
+        let estimate = found.estimates.get(name).unwrap();
+        assert!(estimate.is_identified(), "{estimate:?}");
+        assert!(estimate.interval.unwrap().contains(value), "{estimate:?}");
+    }
+    let delta = found.estimates.get("delta").unwrap();
+    assert!((delta.value - 1.0).abs() < 0.15, "{delta:?}");
+    assert!(matches!(delta.verdict, Verdict::Given { source } if source.contains("steady points")));
+    assert!(found.notes.iter().any(|note| note.contains("exponent")), "{:?}", found.notes);
+}

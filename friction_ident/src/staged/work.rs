@@ -6,6 +6,7 @@ use std::ops::ControlFlow;
 use friction_model::{AnyModel, ModelName};
 
 use super::damping::Damping;
+use super::exponent::Exponent;
 use super::friction_data::{weighted, weighted_points};
 use super::last_word::{last_word, take_over};
 use super::load_choice::first_values;
@@ -24,7 +25,7 @@ use crate::position_load::{LoadShape, PositionLoad};
 use crate::residual_whiteness::effective_share;
 use crate::rigid_axis::Load;
 use crate::starting_model::{scaled_to, with_elements};
-use crate::static_curve::{StribeckFit, StribeckOptions, StribeckValues, fit_stribeck};
+use crate::static_curve::{StribeckFit, StribeckValues};
 use crate::steady_point::SteadyPoint;
 use crate::stretch::Stretch;
 
@@ -42,6 +43,7 @@ pub(super) struct Work<'a> {
     pub(super) load: PositionLoad,
     pub(super) stages: Vec<StageResult>,
     pub(super) notes: Vec<String>,
+    pub(super) exponent: Exponent,
     pub(super) stopped: bool,
     pub(super) converged: bool,
 }
@@ -66,6 +68,7 @@ impl<'a> Work<'a> {
             load: taken,
             stages: Vec::new(),
             notes: Vec::new(),
+            exponent: Exponent::NotAsked,
             stopped: false,
             converged: true,
         }
@@ -83,17 +86,18 @@ impl<'a> Work<'a> {
         let start = |fit: &StribeckFit| {
             Ok::<_, IdentError>(scaled_to(&model, &with_dip(&fit.parameters), reach)?)
         };
+        let steady = points.len() == self.data.points.len();
         let (start, fits) = if self.options.asymmetric {
-            let side = |sign: f64| {
+            let mut side = |sign: f64| {
                 let side: Vec<_> =
                     points.iter().copied().filter(|point| point.velocity * sign > 0.0).collect();
-                fit_stribeck(&side, &StribeckOptions::default())
+                self.curve(&side, steady)
             };
             let (forward, backward) = (side(1.0)?, side(-1.0)?);
             let both = AnyModel::asymmetric(&start(&forward)?, &start(&backward)?)?;
             (both, vec![(Side::Forward, forward), (Side::Backward, backward)])
         } else {
-            let fit = fit_stribeck(&points, &StribeckOptions::default())?;
+            let fit = self.curve(&points, steady)?;
             (start(&fit)?, vec![(Side::Both, fit)])
         };
         let free = FreeParameters::new(&start, |row| STATIC.contains(&row.name));
@@ -106,7 +110,7 @@ impl<'a> Work<'a> {
         for (side, curve) in fits {
             take_over(&mut fit.estimates, side, &curve);
         }
-        if points.len() != self.data.points.len() {
+        if !steady {
             self.notes.push(
                 "There are too few constant velocities: the static characteristic comes from sliding at changing velocity, in bins, \
                  and contains some of the lag."
@@ -235,6 +239,7 @@ impl<'a> Work<'a> {
             &self.stages,
             &self.options.beside.terms(),
             self.load,
+            self.exponent,
             self.options.output_error.rotary,
         );
         let free_parameters = self.free_parameters(&estimates);

@@ -20,6 +20,7 @@ use crate::steady_point::{Needed, check_points};
 
 mod data;
 mod estimates;
+mod exponent;
 mod fit;
 mod intervals;
 mod separable;
@@ -27,6 +28,7 @@ mod separable;
 mod tests;
 
 pub use crate::steady_point::SteadyPoint;
+pub use exponent::{ExponentFit, fit_exponent};
 pub use fit::fit_stribeck;
 
 /// What is not estimated.
