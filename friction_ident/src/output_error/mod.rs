@@ -135,7 +135,7 @@ impl Default for OutputErrorOptions {
     fn default() -> Self {
         Self {
             patience: Patience { sum: 1e-9, step: 1e-9, iterations: 30, broyden: false },
-            restarts: 2,
+            restarts: 8,
             rotary: true,
         }
     }
@@ -147,6 +147,8 @@ const WHITE: f64 = 0.5;
 const EXACT: f64 = 1e-20;
 /// Relative fall of the sum of squares over a whole round of a search below which it has arrived.
 const SETTLED: f64 = 1e-4;
+/// Restarts that a search makes even where it has arrived.
+const FOR_KINKS: usize = 2;
 
 /// Fits the free parameters, from each of `starts` (coordinates of `free`; its own values are tried
 /// first) and keeps the best.
@@ -192,7 +194,7 @@ pub fn fit_output_error(
         let mut settled = found.ending == Ending::Converged;
         // Friction has kinks, at which a search may stall: from where it ended it starts again,
         // with long steps.
-        for _ in 0..options.restarts {
+        for round in 1..=options.restarts {
             if found.ending == Ending::Stopped || found.sum <= rounding {
                 break;
             }
@@ -203,7 +205,8 @@ pub fn fit_output_error(
             let fall = 1.0 - next.sum / found.sum;
             settled = next.ending == Ending::Converged || fall < SETTLED;
             found = next;
-            if fall.is_nan() || fall < 1e-6 {
+            // The first few are for kinks; what is not settled by then may just be a long way.
+            if fall.is_nan() || fall < 1e-6 || (settled && round >= FOR_KINKS) {
                 break;
             }
         }

@@ -301,3 +301,34 @@ fn steady_points_tell_the_exponent_of_the_dip() {
     assert!(matches!(delta.verdict, Verdict::Given { source } if source.contains("steady points")));
     assert!(found.notes.iter().any(|note| note.contains("exponent")), "{:?}", found.notes);
 }
+
+/// A search that was still going down after three rounds was given up, so that the right model could
+/// not be chosen. Short rounds stand for a long valley here.
+#[test]
+fn a_long_valley_is_followed_to_its_end() {
+    let mut parameters = AnyModel::test_bed(LuGre).parameters();
+    let values = [
+        ("f_s", 0.4),
+        ("f_c", 0.28),
+        ("v_s", 0.11),
+        ("f_v", 0.05),
+        ("sigma0", 129.0),
+        ("sigma1", 0.68),
+    ];
+    for (name, value) in values {
+        parameters.set(name, value);
+    }
+    let truth: AnyModel = parameters.try_into().unwrap();
+    let mut rng = Pcg64Mcg::seed_from_u64(9);
+    let turns = |t: f64| (12.0 * (std::f64::consts::TAU * 0.1 * t).cos()).tanh();
+    let mut stretch = along(&truth, 20_000, |t| if t < 10.0 { 0.32 } else { 0.16 } * turns(t));
+    for friction in &mut stretch.friction {
+        *friction += 8e-4 * rng.sample::<f64, _>(StandardNormal);
+    }
+    let data = FrictionData::sort(Vec::new(), vec![stretch], None);
+    let mut options = StagedOptions::default();
+    options.output_error.patience.iterations = 3;
+    let found = identify(LuGre, &data, &options);
+    assert!(found.converged, "{:?}", found.model);
+    assert!((found.information.mse.sqrt() / 8e-4 - 1.0).abs() < 0.05, "{:?}", found.information);
+}
