@@ -226,6 +226,23 @@ pub enum FrictionError {
         /// Why.
         source: IdentError,
     },
+    /// Nothing slides.
+    #[error(
+        "nothing in {files} slides: a motion of at most {range} {unit} counts as pre-sliding{}, and friction models need sliding too. Add a recording \
+         that slides at several velocities{}",
+        if *given { " by --reach" } else { "" },
+        if *given { ", or give a smaller --reach, or leave it out" } else { ", or say with --reach that the contact bends by less" }
+    )]
+    OnlyPreSliding {
+        /// The files.
+        files: String,
+        /// How far motion goes that counts as pre-sliding \[m or rad\].
+        range: f64,
+        /// `m` or `rad`.
+        unit: &'static str,
+        /// Whether `--reach` said so.
+        given: bool,
+    },
     /// It was stopped before any model had a parameter.
     #[error("stopped before the first model was identified; nothing is written")]
     Nothing,
@@ -238,5 +255,22 @@ fn hint(error: &IdentError) -> &'static str {
             " (add a file with steady points, columns velocity_rad_s and torque_Nm, or a recording that slides at several velocities)"
         }
         _ => "",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Its advice led to a refusal that spoke of a Stribeck curve and eight samples.
+    #[test]
+    fn what_does_not_slide_is_refused_with_the_way_out() {
+        let refusal = |given| {
+            let files = "a.csv".to_owned();
+            FrictionError::OnlyPreSliding { files, range: 0.02, unit: "rad", given }.to_string()
+        };
+        assert!(refusal(true).contains("a smaller --reach"), "{}", refusal(true));
+        assert!(refusal(false).contains("say with --reach"), "{}", refusal(false));
+        assert!(refusal(true).contains("Add a recording that slides"));
     }
 }

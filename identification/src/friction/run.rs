@@ -33,6 +33,7 @@ pub fn identify(
 ) -> Result<FrictionIdentification, FrictionError> {
     let reach = settings.reach.or_else(|| bends(files));
     let (data, mut notes) = sorted(files, reach);
+    only_pre_sliding(&data, files, reach, settings)?;
     let rotary = settings.axis == AxisKind::Rotary;
     let beside = choose_position_load(&data, rotary, settings.staged.asymmetric);
     let staged = StagedOptions { beside: beside.chosen, ..settings.staged };
@@ -75,7 +76,13 @@ pub fn identify(
     let (models, chosen) = ranked(models, &data, held_out.as_ref(), criterion);
     let mut warnings = Vec::new();
     match chosen.and_then(|place| models.get(place)) {
-        Some(chosen) => warnings.extend(trust::doubts(chosen, &data, settings.axis)),
+        Some(chosen) => {
+            warnings.extend(trust::doubts(chosen, &data, settings.axis));
+            let elsewhere = held_out.as_ref();
+            warnings.extend(
+                elsewhere.and_then(|held_out| trust::worse_elsewhere(chosen, &data, held_out)),
+            );
+        }
         None => warnings.push(wording::NONE_CHOSEN.to_owned()),
     }
     if held_out.is_none() {
@@ -135,16 +142,38 @@ fn one_model(
     Ok((found, from_drive))
 }
 
+/// Refuses recordings of which none slides.
+fn only_pre_sliding(
+    data: &FrictionData,
+    files: &[FrictionRecording],
+    reach: Option<f64>,
+    settings: &Settings,
+) -> Result<(), FrictionError> {
+    let slides = !(data.points.is_empty() && data.lag.is_empty() && data.mixed.is_empty());
+    if slides || data.pre_sliding.is_empty() {
+        return Ok(());
+    }
+    let reach = reach.unwrap_or_default();
+    Err(FrictionError::OnlyPreSliding {
+        files: names(files),
+        range: 2.0 * reach,
+        unit: settings.axis.position_unit(),
+        given: settings.reach.is_some(),
+    })
+}
+
+fn names(files: &[FrictionRecording]) -> String {
+    let files: Vec<_> = files.iter().map(|file| file.path.display().to_string()).collect();
+    files.join(", ")
+}
+
 /// Why not one model could be identified.
 fn nothing_found(
     refused: Vec<(ModelName, IdentError)>,
     files: &[FrictionRecording],
 ) -> FrictionError {
     match refused.into_iter().next() {
-        Some((model, source)) => {
-            let files: Vec<_> = files.iter().map(|file| file.path.display().to_string()).collect();
-            FrictionError::Refused { model, files: files.join(", "), source }
-        }
+        Some((model, source)) => FrictionError::Refused { model, files: names(files), source },
         None => FrictionError::Nothing,
     }
 }
@@ -158,10 +187,16 @@ fn sorted(files: &[FrictionRecording], reach: Option<f64>) -> (FrictionData, Vec
     let data = FrictionData::sort(points, stretches, reach);
     let mut notes = Vec::new();
     if data.pre_sliding.is_empty() {
-        notes.push(
-            "No recording stays within pre-sliding. If one should, say with --reach how far the contact bends before it slides."
-                .to_owned(),
-        );
+        // Of one recording alone nothing would be left to show the sliding.
+        let several = files.len() > 1 || !data.points.is_empty();
+        notes.push(format!(
+            "No recording stays within pre-sliding{}",
+            if several {
+                ". If one should, say with --reach how far the contact bends before it slides."
+            } else {
+                "; one that does, beside this one, shows the stiffness by itself."
+            }
+        ));
     }
     (data, notes)
 }

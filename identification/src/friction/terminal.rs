@@ -50,7 +50,11 @@ pub fn render(found: &FrictionIdentification) -> String {
         let _ = writeln!(text, "{simpler}");
     }
     if let Some(chosen) = found.chosen() {
-        let _ = writeln!(text, "\n{}", chosen.found.name);
+        let _ = writeln!(
+            text,
+            "\n{} (value ± one standard error; the 95 % intervals are in the report)",
+            chosen.found.name
+        );
         let from_drive = |estimate| match wording::from_drive(chosen, estimate) {
             added if added.is_empty() => String::new(),
             added => format!(", from the drive ± {added}"),

@@ -3,11 +3,47 @@
 use friction_ident::adequacy::{Quantity, doubts_of};
 use friction_ident::one_speed::one_speed;
 use friction_ident::staged::residuals_of_kind;
+use friction_ident::statistics::root_mean_square;
 use friction_ident::{FrictionData, Stretch, StretchKind};
 
 use recording::AxisKind;
 
 use super::{ModelResult, wording};
+
+/// How many times larger the share of the force that a model leaves may be on recordings held out
+/// than on those it was fitted to, before that is said.
+const FAR_WORSE: f64 = 2.0;
+/// Share of the force from which there is anything to say.
+const NOTHING: f64 = 0.02;
+
+/// Whether the model errs far more on recordings it has not seen: those hold something that the
+/// fitted ones do not.
+pub(super) fn worse_elsewhere(
+    chosen: &ModelResult,
+    fitted: &FrictionData,
+    held_out: &FrictionData,
+) -> Option<String> {
+    let share = |error: f64, data: &FrictionData| error / force(data).max(f64::MIN_POSITIVE);
+    let here = share(chosen.fit.all, fitted);
+    let there = share(chosen.held_out?.all, held_out);
+    (there > FAR_WORSE * here && there > NOTHING).then(|| {
+        format!(
+            "{} leaves {} % of the force on the recordings held out and {} % on those it was fitted to: they hold something that these do not show, \
+             such as other speeds, places or turns. Fit it to recordings like those that it is meant for.",
+            chosen.found.name,
+            wording::significant(100.0 * there),
+            wording::significant(100.0 * here)
+        )
+    })
+}
+
+/// Root mean square of the friction in recordings \[N or N m\].
+fn force(data: &FrictionData) -> f64 {
+    let stretches = [&data.pre_sliding, &data.lag, &data.mixed].into_iter().flatten();
+    let samples = stretches.flat_map(|stretch| stretch.friction.iter().copied());
+    let all: Vec<f64> = data.points.iter().map(|point| point.torque).chain(samples).collect();
+    root_mean_square(&all)
+}
 
 /// What is wrong with a model as a whole, in sentences; from the motion that slides.
 pub(super) fn doubts(chosen: &ModelResult, data: &FrictionData, axis: AxisKind) -> Vec<String> {
@@ -49,4 +85,47 @@ pub(super) fn doubts(chosen: &ModelResult, data: &FrictionData, axis: AxisKind) 
         .chain(near_rest)
         .chain(one_speed)
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use friction_ident::{StagedOptions, identify_model};
+    use friction_model::{AnyModel, ModelName};
+
+    use super::*;
+    use crate::friction::Criterion;
+    use crate::friction::ranking::ranked;
+
+    /// A recording of slow motion tells nothing of a strong viscous friction: what was fitted to it
+    /// erred 15 times as much on faster motion, without a word.
+    #[test]
+    fn a_model_that_errs_far_more_elsewhere_says_so() {
+        let truth = AnyModel::test_bed(ModelName::CoulombViscous).scaled("f_v", 5.0).unwrap();
+        let swing = |fastest: f64, noise: f64| {
+            let velocity: Vec<f64> =
+                (0..4000).map(|k| fastest * (3e-3 * f64::from(k)).sin()).collect();
+            let friction = velocity
+                .iter()
+                .enumerate()
+                .map(|(k, &v)| truth.steady_state(v) + noise * (1.7 * k as f64).sin())
+                .collect();
+            let stretch = Stretch::new(1e-3, velocity, None, friction).unwrap();
+            FrictionData::sort(Vec::new(), vec![stretch], None)
+        };
+        let said = |held_out: &FrictionData| {
+            let slow = swing(0.3, 3e-3);
+            let mut watch = |_, _: &_| ControlFlow::Continue(());
+            let name = ModelName::CoulombViscous;
+            let found = identify_model(name, &slow, &StagedOptions::default(), &mut watch).unwrap();
+            let (models, chosen) =
+                ranked(vec![(found, None)], &slow, Some(held_out), Criterion::HeldOut);
+            worse_elsewhere(&models[chosen.unwrap()], &slow, held_out)
+        };
+        assert_eq!(said(&swing(0.25, 3e-3)), None);
+        let mut far = swing(20.0, 3e-3);
+        far.mixed[0].friction.iter_mut().for_each(|f| *f *= 1.5);
+        assert!(said(&far).unwrap().contains("held out"));
+    }
 }

@@ -34,9 +34,15 @@ pub(super) fn beside(choice: &PositionLoadChoice) -> Option<String> {
         return None;
     }
     let (with, without) = (left(choice.chosen)?, left(LoadShape::NONE)?);
+    let offset = if choice.chosen.offset {
+        " Where the axis slides, an offset and a Coulomb friction that differs by direction look alike; --asymmetric gives each direction its own \
+         friction instead."
+    } else {
+        ""
+    };
     Some(format!(
         "{} is estimated beside every model: what predicts the other blocks of the recordings leaves {with} % of the force with it \
-         and {without} % without. It is part of what drives the axis, not of friction; parameters.yaml holds friction alone.",
+         and {without} % without. It is part of what drives the axis, not of friction; parameters.yaml holds friction alone.{offset}",
         capitalised(&choice.chosen.describe()),
     ))
 }
