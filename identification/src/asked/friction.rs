@@ -42,9 +42,9 @@ pub struct FrictionArgs {
     elements: Option<usize>,
 
     /// Inertia that moves on the bristles [kg or kg m^2] and its standard error, as in
-    /// 0.0026:0.00003. The micro-damping is then computed from it; --torque-source other than
-    /// sensor needs it, from here or from --drive. Without :SE the last of --drive-errors counts
-    /// there.
+    /// 0.0026:0.00003. The micro-damping is then computed from it, unless the recordings contradict
+    /// that; --torque-source other than sensor needs it, from here or from --drive. Without :SE the
+    /// last of --drive-errors counts there.
     #[arg(long, value_name = "J[:SE]", value_parser = inertia, allow_negative_numbers = true, help_heading = "Friction models")]
     inertia: Option<Inertia>,
 

@@ -225,7 +225,7 @@ fn how(found: &FrictionIdentification) -> String {
     let staged = &found.settings.staged;
     let damping = match staged.inertia {
         Some(inertia) => format!(
-            "the micro-damping computed from an inertia of {} {} and a damping ratio of {}",
+            "the micro-damping from an inertia of {} {} and a damping ratio of {}, unless the recordings contradict that",
             inertia.value,
             found.settings.axis.inertia_unit(),
             staged.damping_ratio
