@@ -221,6 +221,16 @@ pub enum Verdict {
     },
 }
 
+impl Verdict {
+    /// Whether nothing but an interval that reaches zero speaks against the parameter.
+    pub(crate) fn is_for_reaching_zero(&self) -> bool {
+        let Self::NotIdentifiable { doubt: Doubt::LargeError { relative_error }, .. } = self else {
+            return false;
+        };
+        *relative_error <= 0.5
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

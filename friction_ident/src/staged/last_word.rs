@@ -5,7 +5,7 @@ use friction_model::AnyModel;
 use super::StageResult;
 use super::exponent::{Exponent, has_exponent};
 use crate::axis_term::AxisTerm;
-use crate::estimate::{Estimate, Estimates, Interval, IntervalMethod, Verdict};
+use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Verdict};
 use crate::free_parameters::{FreeParameters, remedy};
 use crate::parameter_id::{ParameterId, Side};
 use crate::position_load::{self, PositionLoad};
@@ -28,6 +28,19 @@ pub(super) fn take_over(estimates: &mut Estimates, side: Side, curve: &StribeckF
             let half = 0.5 * (high - low) / student_95(curve.degrees_of_freedom);
             if let Some(error) = estimate.standard_error.as_mut().filter(|_| half.is_finite()) {
                 *error = error.max(half);
+            }
+            // The interval that is shown decides whether there is anything.
+            let relative_error = estimate.standard_error.unwrap_or(0.0) / estimate.value.abs();
+            let remedy = remedy(id.name);
+            match &estimate.verdict {
+                verdict if low > 0.0 && verdict.is_for_reaching_zero() => {
+                    estimate.verdict = Verdict::Identified;
+                }
+                Verdict::Identified if low <= 0.0 || relative_error > 0.5 => {
+                    let doubt = Doubt::LargeError { relative_error };
+                    estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
+                }
+                _ => {}
             }
         }
         if let Some(why) = why {

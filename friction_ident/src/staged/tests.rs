@@ -217,6 +217,26 @@ fn at_the_noise_of_the_thesis_the_dip_is_not_identifiable() {
     assert!(found.estimates.get("f_v").unwrap().is_identified());
 }
 
+/// Points whose two halves differ hold few independent ones, and an interval from those reaches zero.
+/// That of the scan is shown and has the last word: a level within it is there, one whose interval
+/// reaches zero is not.
+#[test]
+fn the_interval_that_is_shown_decides_whether_a_level_is_there() {
+    let truth = truth(CoulombViscous);
+    for (by, there) in [(0.005, true), (0.12, false)] {
+        let points = (0..10).map(|k| {
+            let v = 0.4 * f64::from(k + 1);
+            let side = if k < 5 { 1.0 + by } else { 1.0 - by };
+            SteadyPoint::new(v, side * truth.steady_state(v))
+        });
+        let data = FrictionData { points: points.collect(), ..FrictionData::default() };
+        let found = identify(Stribeck, &data, &StagedOptions::default());
+        let f_c = found.estimates.get("f_c").unwrap();
+        assert_eq!(f_c.interval.unwrap().low > 0.0, there, "{f_c:?}");
+        assert_eq!(f_c.is_identified(), there, "{f_c:?}");
+    }
+}
+
 /// Every other second the axis stands still while something below the break-away level is applied;
 /// the velocity is noisy throughout.
 fn with_standstill(truth: &AnyModel) -> Stretch {

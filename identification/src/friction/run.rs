@@ -186,7 +186,8 @@ fn sorted(files: &[FrictionRecording], reach: Option<f64>) -> (FrictionData, Vec
         files.iter().flat_map(|file| file.stretches.iter().cloned()).collect();
     let data = FrictionData::sort(points, stretches, reach);
     let mut notes = Vec::new();
-    if data.pre_sliding.is_empty() {
+    let moves = !(data.lag.is_empty() && data.mixed.is_empty());
+    if data.pre_sliding.is_empty() && moves {
         // Of one recording alone nothing would be left to show the sliding.
         let several = files.len() > 1 || !data.points.is_empty();
         notes.push(format!(
