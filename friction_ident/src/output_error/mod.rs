@@ -135,7 +135,7 @@ impl Default for OutputErrorOptions {
     fn default() -> Self {
         Self {
             patience: Patience { sum: 1e-9, step: 1e-9, iterations: 30, broyden: false },
-            restarts: 8,
+            restarts: 5,
             rotary: true,
         }
     }

@@ -347,7 +347,7 @@ fn a_long_valley_is_followed_to_its_end() {
     }
     let data = FrictionData::sort(Vec::new(), vec![stretch], None);
     let mut options = StagedOptions::default();
-    options.output_error.patience.iterations = 3;
+    options.output_error.patience.iterations = 6;
     let found = identify(LuGre, &data, &options);
     assert!(found.converged, "{:?}", found.model);
     assert!((found.information.mse.sqrt() / 8e-4 - 1.0).abs() < 0.05, "{:?}", found.information);
