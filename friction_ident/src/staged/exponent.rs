@@ -5,8 +5,13 @@ use friction_model::{AnyModel, ModelName};
 use super::work::Work;
 use crate::IdentError;
 use crate::static_curve::{
-    ExponentFit, SteadyPoint, StribeckFit, StribeckOptions, fit_exponent, fit_stribeck,
+    ExponentFit, SteadyPoint, StribeckFit, StribeckOptions, StribeckParameter, fit_exponent,
+    fit_stribeck,
 };
+
+/// How many times wider than at the usual exponent what all exponents say of the static friction must
+/// be to be told.
+const WIDER: f64 = 1.5;
 
 /// What is known of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,7 +54,7 @@ impl Work<'_> {
         if !steady || !has_exponent(self.name) {
             return fit_stribeck(points, &StribeckOptions::default());
         }
-        let ExponentFit { fit, exponents, refuses_usual } = fit_exponent(points)?;
+        let ExponentFit { fit, exponents, refuses_usual, static_friction } = fit_exponent(points)?;
         if let Some((low, high)) = exponents {
             if refuses_usual {
                 self.exponent = Exponent::Other;
@@ -58,8 +63,20 @@ impl Work<'_> {
                      ({low:.2} to {high:.2}).",
                     fit.parameters.delta
                 ));
-            } else if self.exponent == Exponent::NotAsked {
-                self.exponent = Exponent::Usual;
+            } else {
+                if self.exponent == Exponent::NotAsked {
+                    self.exponent = Exponent::Usual;
+                }
+                let alone = fit.estimate(StribeckParameter::StaticFriction).interval;
+                let wider = alone
+                    .zip(static_friction)
+                    .filter(|((low, high), (least, most))| most - least > WIDER * (high - low));
+                self.notes.extend(wider.map(|(_, (least, most))| {
+                    format!(
+                        "The interval of f_s holds for the exponent 2. The steady points leave {low:.2} to {high:.2} open, and with those \
+                         f_s lies anywhere from {least:.3e} to {most:.3e}: slower steady speeds tell."
+                    )
+                }));
             }
         }
         Ok(fit)
