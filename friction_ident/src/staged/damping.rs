@@ -7,6 +7,7 @@
 
 use friction_model::AnyModel;
 
+use super::decided::Damping;
 use super::stage::{DAMPING, LAG, PRE_SLIDING, STATIC};
 use super::work::{Watch, Work};
 use super::{Stage, StageResult};
@@ -15,17 +16,6 @@ use crate::damped_model::with_computed_damping;
 use crate::estimate::Estimates;
 use crate::free_parameters::FreeParameters;
 use crate::output_error::{Measured, OutputErrorFit};
-
-/// Where the joint refinement has the micro-damping from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Damping {
-    /// It stays what was computed.
-    Computed,
-    /// It is one of the free parameters.
-    Estimated,
-    /// It was computed, and is estimated where the recordings contradict that.
-    Either,
-}
 
 impl Work<'_> {
     /// `sigma = 2 zeta sqrt(J k) - f_v`, of each element its own.

@@ -1,7 +1,6 @@
 //! The exponent of the dip, which steady points alone are asked for.
 
-use friction_model::{AnyModel, ModelName};
-
+use super::decided::{Exponent, has_exponent};
 use super::work::Work;
 use crate::IdentError;
 use crate::static_curve::{
@@ -12,36 +11,6 @@ use crate::static_curve::{
 /// How many times wider than at the usual exponent what all exponents say of the static friction must
 /// be to be told.
 const WIDER: f64 = 1.5;
-
-/// What is known of it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Exponent {
-    /// Nothing was asked.
-    NotAsked,
-    /// The points leave the usual one open.
-    Usual,
-    /// The points refuse the usual one.
-    Other,
-}
-
-impl Exponent {
-    /// Where its value comes from, in words.
-    pub fn source(self) -> &'static str {
-        match self {
-            Self::NotAsked => {
-                "the usual exponent: only steady points through a dip are asked for another"
-            }
-            Self::Usual => "the usual exponent, which the steady points leave open",
-            Self::Other => "the exponent with which the steady points fit best",
-        }
-    }
-}
-
-/// Whether the model has an exponent of the dip. Dahl's is another: the shape of its stress-strain
-/// curve.
-pub(super) fn has_exponent(name: ModelName) -> bool {
-    name != ModelName::Dahl && AnyModel::test_bed(name).parameter("delta").is_some()
-}
 
 impl Work<'_> {
     /// The static characteristic through points: of steady ones with the exponent that they ask for.

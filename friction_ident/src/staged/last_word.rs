@@ -3,7 +3,7 @@
 use friction_model::AnyModel;
 
 use super::StageResult;
-use super::exponent::{Exponent, has_exponent};
+use super::decided::{Exponent, has_exponent};
 use crate::axis_term::AxisTerm;
 use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Verdict};
 use crate::free_parameters::{FreeParameters, remedy};

@@ -9,6 +9,7 @@
 //! contradict the computed one.
 
 mod damping;
+mod decided;
 mod exponent;
 mod friction_data;
 mod last_word;
@@ -31,7 +32,7 @@ use crate::estimate::Estimates;
 use crate::information::Information;
 use crate::output_error::Predictor;
 use crate::position_load::PositionLoad;
-use damping::Damping;
+use decided::Damping;
 use work::Work;
 
 pub use friction_data::FrictionData;

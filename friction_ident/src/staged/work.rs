@@ -5,8 +5,7 @@ use std::ops::ControlFlow;
 
 use friction_model::{AnyModel, ModelName};
 
-use super::damping::Damping;
-use super::exponent::Exponent;
+use super::decided::{Damping, Exponent};
 use super::friction_data::{weighted, weighted_points};
 use super::last_word::{last_word, take_over};
 use super::load_choice::first_values;
