@@ -68,12 +68,7 @@ pub fn with_computed_damping(
             break;
         }
     }
-    let model = if asymmetric {
-        AnyParameters::asymmetric(forward, backward)?.try_into()?
-    } else {
-        forward.try_into()?
-    };
-    Ok((model, estimates))
+    Ok((model.parameters().with_sides(forward, backward)?, estimates))
 }
 
 /// Stiffness at rest, one an element \[N/m or N m/rad\].

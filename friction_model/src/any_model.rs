@@ -58,6 +58,20 @@ impl AnyModel {
     }
 }
 
+impl AnyParameters {
+    /// The model with these parameters for its directions, which [`sides`](Self::sides) gave and
+    /// something changed. `backward` counts where it is asymmetric.
+    ///
+    /// # Errors
+    /// [`ModelError`] if the model refuses them.
+    pub fn with_sides(&self, forward: Self, backward: Self) -> Result<AnyModel, ModelError> {
+        match self {
+            Self::Asymmetric(_) => Self::asymmetric(forward, backward)?.try_into(),
+            _ => forward.try_into(),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

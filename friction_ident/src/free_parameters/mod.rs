@@ -144,12 +144,7 @@ impl FreeParameters {
                 if moved.side == Side::Backward { &mut backward } else { &mut forward };
             parameters.set_at(moved.name, moved.index, moved.value);
         }
-        match self.template {
-            AnyParameters::Asymmetric(_) => {
-                AnyParameters::asymmetric(forward, backward).ok()?.try_into().ok()
-            }
-            _ => forward.try_into().ok(),
-        }
+        self.template.with_sides(forward, backward).ok()
     }
 
     /// Does something with the model at these coordinates in numbers of another kind; none where

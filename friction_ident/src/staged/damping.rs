@@ -78,9 +78,10 @@ impl Work<'_> {
             return Ok(by_computed);
         }
         let before = (self.load, self.converged);
-        let by_recordings = self.refine(&by_computed.model, true, measured, watch)?;
-        let told = self.computed().and_then(|computed| contradicts(&by_recordings, computed));
-        let Some(told) = told.filter(|_| !self.stopped) else {
+        // What is too little for one more parameter is no reason to refuse what there is.
+        let by_recordings = self.refine(&by_computed.model, true, measured, watch).ok();
+        let told = by_recordings.and_then(|fit| Some((contradicts(&fit, self.computed()?)?, fit)));
+        let Some((told, by_recordings)) = told.filter(|_| !self.stopped) else {
             (self.load, self.converged) = before;
             return Ok(by_computed);
         };

@@ -20,40 +20,32 @@ impl Work<'_> {
     /// nearly zero is left by factors only: the search that follows begins at the best of a few
     /// levels.
     pub(super) fn with_a_level(&self, model: AnyModel) -> AnyModel {
-        let stretches: Vec<Stretch> = [&self.data.pre_sliding, &self.data.lag, &self.data.mixed]
-            .into_iter()
-            .flatten()
-            .cloned()
-            .collect();
-        let friction = stretches.iter().flat_map(|stretch| &stretch.friction);
+        let stretches =
+            || [&self.data.pre_sliding, &self.data.lag, &self.data.mixed].into_iter().flatten();
+        let friction = stretches().flat_map(|stretch| &stretch.friction);
         let largest = friction.fold(0.0, |largest: f64, f| largest.max(f.abs()));
-        let at_least = |share: f64| {
-            let raised = |mut side: AnyParameters| {
-                for name in ["f_s", "f_c"] {
-                    let now = side.values(name).first().copied().unwrap_or(f64::INFINITY);
-                    let dip = if name == "f_s" { 1.001 } else { 1.0 };
-                    side.set(name, now.max(dip * share * largest));
-                }
-                side
-            };
-            let (forward, backward) = model.parameters().sides();
-            let (forward, backward) = (raised(forward), raised(backward));
-            match model.parameters() {
-                AnyParameters::Asymmetric(_) => {
-                    AnyParameters::asymmetric(forward, backward).ok()?.try_into().ok()
-                }
-                _ => forward.try_into().ok(),
-            }
-        };
-        let sides = model.parameters().sides();
+        let parameters = model.parameters();
+        let (forward, backward) = parameters.sides();
         let has_one = |side: &AnyParameters| {
             side.values("f_c").first().is_none_or(|f_c| *f_c >= LEVELS[0] * largest)
         };
-        if stretches.is_empty() || (has_one(&sides.0) && has_one(&sides.1)) {
+        if has_one(&forward) && has_one(&backward) {
             return model;
         }
+        let raised = |mut side: AnyParameters, level: f64| {
+            for (name, at_least) in [("f_s", 1.001 * level), ("f_c", level)] {
+                if let Some(now) = side.values(name).first() {
+                    side.set(name, now.max(at_least));
+                }
+            }
+            side
+        };
+        let tried = LEVELS.into_iter().filter_map(|share| {
+            let level = share * largest;
+            parameters.with_sides(raised(forward, level), raised(backward, level)).ok()
+        });
+        let stretches: Vec<Stretch> = stretches().cloned().collect();
         let measured = Measured { stretches: &stretches, ..Measured::default() };
-        let tried = LEVELS.into_iter().filter_map(at_least);
         tried.min_by(|a, b| error(a, &measured).total_cmp(&error(b, &measured))).unwrap_or(model)
     }
 

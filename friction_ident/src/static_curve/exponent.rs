@@ -9,7 +9,6 @@
 
 use super::{SteadyPoint, StribeckFit, StribeckOptions, StribeckParameter, fit_stribeck};
 use crate::IdentError;
-use crate::estimate::Interval;
 use crate::statistics::student_95;
 
 /// A curve at the exponent that the points ask for.
@@ -69,12 +68,10 @@ pub fn fit_exponent(points: &[SteadyPoint]) -> Result<ExponentFit, IdentError> {
     });
     let mut all = grid;
     all.extend(dip_at(refined).map(|fit| (refined, fit)));
-    let Some((best, _)) =
-        all.iter().map(|(delta, fit)| (*delta, sum(fit))).min_by(|a, b| a.1.total_cmp(&b.1))
-    else {
+    let sums = all.iter().map(|(delta, fit)| (*delta, sum(fit)));
+    let Some((best, least)) = sums.min_by(|a, b| a.1.total_cmp(&b.1)) else {
         return as_usual(usual);
     };
-    let least = all.iter().map(|(_, fit)| sum(fit)).fold(f64::INFINITY, f64::min);
     // Rounding alone is no reason.
     let power = points.iter().map(|point| point.torque.powi(2)).sum::<f64>();
     let variance = (least / freedom as f64).max(1e-24 * power);
@@ -88,23 +85,15 @@ pub fn fit_exponent(points: &[SteadyPoint]) -> Result<ExponentFit, IdentError> {
     let excess = |delta: f64| dip_at(delta).map_or(f64::INFINITY, |fit| worse(&fit) - open_to);
     let (low, high) = (crossing(best, LOWEST, &excess), crossing(best, HIGHEST, &excess));
     all.extend([low, high].into_iter().filter_map(|delta| Some((delta, dip_at(delta)?))));
-    let open: Vec<&StribeckFit> =
-        all.iter().filter(|(delta, _)| (low..=high).contains(delta)).map(|(_, fit)| fit).collect();
-    let chosen = if refuses_usual {
-        all.iter().find(|(delta, _)| *delta == best).map(|(_, fit)| fit.clone())
-    } else {
-        Some(usual.clone())
-    };
-    let mut fit = chosen.unwrap_or(usual);
+    let open = || all.iter().filter(|(delta, _)| (low..=high).contains(delta));
+    let other = all.iter().find(|(delta, _)| refuses_usual && *delta == best);
+    let mut fit = other.map_or(usual, |(_, fit)| fit.clone());
     let mut intervals = fit.intervals;
     for (which, interval) in intervals.iter_mut().enumerate() {
         let Some(interval) = interval else { continue };
-        for other in open.iter().filter_map(|fit| fit.intervals[which]) {
-            *interval = Interval {
-                low: interval.low.min(other.low),
-                high: interval.high.max(other.high),
-                ..*interval
-            };
+        for other in open().filter_map(|(_, fit)| fit.intervals[which]) {
+            interval.low = interval.low.min(other.low);
+            interval.high = interval.high.max(other.high);
         }
     }
     let static_friction =

@@ -56,12 +56,7 @@ fn moved(parameters: &AnyParameters, name: &str, index: usize, by: f64) -> Optio
     let (mut forward, backward) = parameters.sides();
     let value = *forward.values(name).get(index)?;
     forward.set_at(name, index, value + by);
-    match parameters {
-        AnyParameters::Asymmetric(_) => {
-            AnyParameters::asymmetric(forward, backward).ok()?.try_into().ok()
-        }
-        _ => forward.try_into().ok(),
-    }
+    parameters.with_sides(forward, backward).ok()
 }
 
 /// What differences over one step say about the slopes of all forces.

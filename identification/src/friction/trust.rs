@@ -98,8 +98,8 @@ mod tests {
     use crate::friction::Criterion;
     use crate::friction::ranking::ranked;
 
-    /// A recording of slow motion tells nothing of a strong viscous friction: what was fitted to it
-    /// erred 15 times as much on faster motion, without a word.
+    /// Held out, the friction is half as much again as where it was fitted, as on another day: that
+    /// was told by two columns of numbers alone.
     #[test]
     fn a_model_that_errs_far_more_elsewhere_says_so() {
         let truth = AnyModel::test_bed(ModelName::CoulombViscous).scaled("f_v", 5.0).unwrap();
@@ -124,7 +124,7 @@ mod tests {
             worse_elsewhere(&models[chosen.unwrap()], &slow, held_out)
         };
         assert_eq!(said(&swing(0.25, 3e-3)), None);
-        let mut far = swing(20.0, 3e-3);
+        let mut far = swing(0.25, 3e-3);
         far.mixed[0].friction.iter_mut().for_each(|f| *f *= 1.5);
         assert!(said(&far).unwrap().contains("held out"));
     }
