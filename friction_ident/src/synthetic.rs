@@ -74,6 +74,7 @@ fn along(truth: &AnyModel, samples: usize, velocity: impl Fn(f64) -> f64) -> Str
         time_step: DT,
         velocity,
         position: None,
+        way_by: Default::default(),
         friction,
         deviation: None,
         before: Default::default(),

@@ -1,7 +1,7 @@
 //! From what was read of a stretch to motion and friction.
 
 use friction_ident::quantiser::{Turn, between_counts, step_of};
-use friction_ident::stretch::Before;
+use friction_ident::stretch::{Before, WayBy};
 use friction_ident::zero_phase::{LowPass, decimate};
 use friction_ident::{
     ChannelDeviations, ConstantError, DriveSignals, IdentError, SavitzkyGolay, Stretch,
@@ -34,13 +34,13 @@ pub(super) fn prepare(
     let velocity = velocity.map(|values| clean("velocity", &values)).transpose()?;
     let position = samples.position.as_ref().map(|values| even.channel(values, samples.step));
     let position = position.map(|values| clean("position", &values)).transpose()?;
-    // An encoder's steps are no motion: beside a measured velocity such a position says little,
-    // alone its path between the counts is used.
+    // An encoder's steps are no motion: its path between the counts is used. Beside a measured
+    // velocity it tells the place, on which a weight or a spring depends, and no more.
     let step = position.as_deref().and_then(step_of);
-    let position = match (position, step, &velocity) {
-        (Some(_), Some(_), Some(_)) => None,
-        (Some(position), Some(step), None) => Some(between_steps(position, step)?),
-        (position, ..) => position,
+    let counted_beside = step.is_some() && velocity.is_some();
+    let position = match (position, step) {
+        (Some(position), Some(step)) => Some(between_steps(position, step)?),
+        (position, _) => position,
     };
 
     let filter = SavitzkyGolay::new(3, frame(dt, even.len()))?;
@@ -80,6 +80,9 @@ pub(super) fn prepare(
         position.map(thin).transpose()?,
         thin(friction.torque)?,
     )?;
+    if counted_beside {
+        stretch.way_by = WayBy::Velocity;
+    }
     // Experiment 2 begins at a fortieth of its fastest velocity, and has slid before.
     let fastest = stretch.velocity.iter().fold(0.0f64, |fastest, v| fastest.max(v.abs()));
     if stretch.velocity.first().is_some_and(|v| v.abs() < 0.01 * fastest) {

@@ -1,7 +1,7 @@
 use std::fmt::Write;
 
-use friction_ident::StretchKind;
-use friction_ident::stretch::Before;
+use friction_ident::stretch::{Before, WayBy};
+use friction_ident::{AxisTerm, FrictionData, StretchKind, choose_position_load};
 use msgs::sensor_msgs::JointState;
 use msgs::std_msgs::Header;
 
@@ -113,6 +113,31 @@ fn an_encoder_alone_gives_a_velocity_without_spikes() {
         let truth = 0.2 + 0.1 * (2.0 * k as f64 * 1e-3).sin();
         assert!((v - truth).abs() < 0.05, "{k}: {v} instead of {truth}");
     }
+}
+
+/// An encoder beside a velocity: its position was thrown away, and a joint under gravity had only an
+/// offset beside its friction.
+#[test]
+fn counts_beside_a_velocity_tell_the_place() {
+    let step = std::f64::consts::TAU / 4096.0;
+    let mut text = "t_s,position_rad,velocity_rad_s,torque_Nm\n".to_owned();
+    for k in 0..26_000 {
+        let t = f64::from(k) * 1e-3;
+        let (q, v) = (1.2 * (1.0 - (0.5 * t).cos()), 0.6 * (0.5 * t).sin());
+        let noise = 1e-3 * (1e3 * t * t).sin();
+        let force = 0.2 * v.signum() + 0.05 * v + 0.3 * q.sin() + 0.2 * q.cos() + noise;
+        writeln!(text, "{t:.4},{:.9},{:.9},{force:.9}", (q / step).floor() * step, v + noise)
+            .unwrap();
+    }
+    let found = parsed(&text).unwrap();
+    let stretch = &found.stretches[0];
+    let off =
+        |k: usize| stretch.place(k).unwrap().position - 1.2 * (1.0 - (0.5e-3 * k as f64).cos());
+    assert!((50..25_950).all(|k| off(k).abs() < 2.0 * step));
+    assert_eq!(stretch.way_by, WayBy::Velocity);
+    let data = FrictionData::sort(found.points, found.stretches, None);
+    let load = choose_position_load(&data, true, false).chosen;
+    assert!(load.terms().contains(&AxisTerm::GravitySin), "{load:?}");
 }
 
 #[test]
