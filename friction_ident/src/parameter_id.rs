@@ -28,6 +28,18 @@ impl Side {
     }
 }
 
+/// Names of numbers that may have either sign.
+const SIGNED: [&str; 8] = [
+    "offset",
+    "spring",
+    "f_c_slope",
+    "f_c_curvature",
+    "harmonic_cos",
+    "harmonic_sin",
+    "gravity_sin",
+    "gravity_cos",
+];
+
 /// One number: a parameter, an element of one that is a list, one direction's value of it.
 ///
 /// It is told from others by its parts; its text is for reports and files.
@@ -69,6 +81,13 @@ impl ParameterId {
     #[must_use]
     pub const fn side(self, side: Side) -> Self {
         Self { side, ..self }
+    }
+
+    /// Whether it may have either sign: what acts beside friction, and how friction changes along
+    /// the axis.
+    #[must_use]
+    pub fn is_signed(self) -> bool {
+        SIGNED.contains(&self.name)
     }
 
     /// Place among the parameter's numbers: the element, zero for a plain number.

@@ -36,11 +36,9 @@ pub fn why(estimate: &Estimate, doubt: &Doubt) -> String {
             end(*low),
             end(*high)
         ),
-        Doubt::RivalsDisagree { low, high } => format!(
-            "structures that predict as well put it elsewhere: {} to {}",
-            end(*low),
-            end(*high)
-        ),
+        Doubt::RivalsDisagree { low, high } => {
+            format!("other fits that are as good put it elsewhere: {} to {}", end(*low), end(*high))
+        }
         Doubt::HalvesDisagree { low, high } => format!(
             "disjoint halves of the recordings disagree on it: {} to {}",
             end(*low),

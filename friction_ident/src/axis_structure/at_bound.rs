@@ -1,7 +1,6 @@
 //! What helps where a nonlinear parameter lies at a bound: the lower one and the upper one ask for
 //! the opposite. And what that does to the others.
 
-use super::doubts::SIGNED;
 use super::naming::SLOW;
 use super::shape::{Limits, Shape, ShapeTerm};
 use crate::estimate::{Doubt, Estimate, Estimates, Verdict};
@@ -51,7 +50,7 @@ pub(super) fn distrust(
         match term {
             ShapeTerm::Delay if upper || late => {
                 // A load does not change with the time between force and motion.
-                let load = |id: ParameterId| SIGNED.contains(&id.name) || id.name == "delay";
+                let load = |id: ParameterId| id.is_signed() || id.name == "delay";
                 let why = "the delay is as long as the search allows, ten samples: force and motion are further apart, as behind a low-pass, \
                            and inertia and friction take what the delay leaves over";
                 estimates.distrust_but(load, why, if value > 0.0 { LAGS } else { COMES_LATE });
@@ -62,7 +61,7 @@ pub(super) fn distrust(
                 estimates.distrust_but(other, why, BROAD);
             }
             ShapeTerm::Period if upper => {
-                let load = |id: ParameterId| SIGNED.contains(&id.name) || LEVELS.contains(&id.name);
+                let load = |id: ParameterId| id.is_signed() || LEVELS.contains(&id.name);
                 let why = "the wave is as long as the search allows, twice the travel: it, a weight, a spring, a constant force and friction \
                            that changes along the axis go into one another";
                 estimates.distrust_but(|id| !load(id), why, LONG);

@@ -11,18 +11,6 @@ const CLEAR: f64 = 2.0;
 /// The parts of a wave along the axis.
 const WAVE: [&str; 2] = ["harmonic_cos", "harmonic_sin"];
 
-/// Parameters that may have either sign.
-pub(super) const SIGNED: [&str; 8] = [
-    "offset",
-    "spring",
-    "f_c_slope",
-    "f_c_curvature",
-    "harmonic_cos",
-    "harmonic_sin",
-    "gravity_sin",
-    "gravity_cos",
-];
-
 /// Parameters of friction, which takes energy: below zero they describe something else.
 const FRICTION: [&str; 4] = ["f_v", "f_c", "f_s", "sigma1"];
 
@@ -62,7 +50,7 @@ pub(super) fn judge(structure: &AxisStructure, estimates: &mut Estimates) {
             estimate.verdict,
             Verdict::NotIdentifiable { doubt: Doubt::LargeError { .. }, .. }
         ) && estimate.standard_error.is_some();
-        if about_zero && SIGNED.contains(&estimate.id.name) {
+        if about_zero && estimate.id.is_signed() {
             estimate.verdict = Verdict::Identified;
         }
     }

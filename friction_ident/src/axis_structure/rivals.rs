@@ -10,11 +10,12 @@ use super::naming::SPEEDS;
 use super::said::Said;
 use super::{Choice, CrossValidation, Ranked, curved, doubts, sliding};
 use crate::conditioning::Conditioned;
-use crate::estimate::{Doubt, Estimate, Interval, IntervalMethod, Verdict};
+use crate::estimate::{Estimate, Interval};
 use crate::parameter_id::{ParameterId, Side};
 
-/// Share of the value that an interval may reach to each side.
-const WIDEST: f64 = 1.0;
+/// What to measure where structures disagree.
+const TELLS_APART: &str =
+    "a recording that tells the structures apart: more speeds, more reversals, more of the travel";
 
 /// What a straight line over the speeds and a dip at its beginning are made of.
 const STRAIGHT: [&str; 4] = ["f_v", "f_c", "f_s", "v_s"];
@@ -52,7 +53,7 @@ impl StructureFit {
         self.widen(&all);
         let beside = self.displacement_beside_damping(recording);
         if let Some((own, beside)) = self.estimates.get_mut("presliding").zip(beside) {
-            reach(own, beside.low, beside.high);
+            own.reach(beside.low, beside.high, TELLS_APART);
         }
         self.heed_lag();
         doubts::sampled(recording, &mut self.estimates);
@@ -79,7 +80,7 @@ impl StructureFit {
         if let Some(interval) = own.interval
             && share > 0.0
         {
-            reach(own, share * interval.low, share * interval.high);
+            own.reach(share * interval.low, share * interval.high, TELLS_APART);
         }
     }
 
@@ -106,26 +107,9 @@ impl StructureFit {
                 // Around its value the rival is no surer than the chosen one is around its own.
                 let (below, above) = (estimate.value - own_low[k], own_high[k] - estimate.value);
                 let (low, high) = (value - below, value + above);
-                reach(estimate, low, high);
+                estimate.reach(low, high, TELLS_APART);
             }
         }
-    }
-}
-
-/// Widens an interval to what another fit says. One that has none, or is open there, stays as it is.
-fn reach(estimate: &mut Estimate, low: f64, high: f64) {
-    let Some(interval) = estimate.interval else { return };
-    if interval.low <= low && high <= interval.high {
-        return;
-    }
-    let (low, high) = (interval.low.min(low), interval.high.max(high));
-    estimate.interval = Some(Interval { low, high, method: IntervalMethod::Rivals });
-    let signed = doubts::SIGNED.contains(&estimate.id.name);
-    let farthest = (high - estimate.value).max(estimate.value - low);
-    if !signed && farthest > WIDEST * estimate.value.abs() && estimate.is_identified() {
-        let remedy = "a recording that tells the structures apart: more speeds, more reversals, more of the travel";
-        let doubt = Doubt::RivalsDisagree { low, high };
-        estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
     }
 }
 
@@ -135,6 +119,7 @@ mod tests {
     use super::super::tests::three_tones;
     use super::super::{AxisStructure, PositionScale, cross_validate, fit_structure};
     use super::*;
+    use crate::estimate::IntervalMethod;
     use rand::{RngExt, SeedableRng};
     use rand_distr::StandardNormal;
 

@@ -8,7 +8,6 @@
 
 use nalgebra::DMatrix;
 
-use super::doubts::SIGNED;
 use super::left_out::Whole;
 use super::search::{Best, Search};
 use super::shape::{LONGEST_DELAY, ShapeTerm};
@@ -104,7 +103,7 @@ impl Moved {
     /// whole by a factor of at least one: what the part alone showed is missed with it.
     fn see(&mut self, estimate: &Estimate, value: f64, wider: f64) {
         (self.low, self.high) = (self.low.min(value), self.high.max(value));
-        let signed = SIGNED.contains(&estimate.id.name);
+        let signed = estimate.id.is_signed();
         self.turns |= !signed && value * estimate.value < 0.0;
         self.leaves |= estimate.interval.is_some_and(|all| {
             let reach = if value < estimate.value { all.low } else { all.high };

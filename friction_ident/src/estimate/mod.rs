@@ -6,6 +6,7 @@
 //! placeholder that is safe to compute with.
 
 mod linearised;
+mod reach;
 mod robust;
 mod verdict;
 

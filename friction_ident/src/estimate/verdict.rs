@@ -18,7 +18,8 @@ pub enum IntervalMethod {
     Profile,
     /// The range over repeated searches that fit equally well.
     EquallyGoodFits,
-    /// Widened to what other structures say that predict as well.
+    /// Widened to what other structures or models say that predict as well, or what sliding far from
+    /// rest says.
     Rivals,
     /// From the differences between fits of disjoint halves of the recordings.
     HalfSamples,
@@ -174,8 +175,8 @@ pub enum Doubt {
         /// Greatest.
         high: f64,
     },
-    /// Structures that predict as well put it elsewhere.
-    #[error("structures that predict as well put it elsewhere: {low:.4e} to {high:.4e}")]
+    /// Structures or models that predict as well put it elsewhere.
+    #[error("other fits that are as good put it elsewhere: {low:.4e} to {high:.4e}")]
     RivalsDisagree {
         /// Least of them.
         low: f64,

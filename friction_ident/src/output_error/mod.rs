@@ -18,6 +18,7 @@
 //! that stand still.
 
 mod along;
+mod far_from_rest;
 mod motion;
 mod predictor;
 mod problem;
@@ -35,13 +36,13 @@ use crate::bounded::{Ending, Minimum, Patience, Residuals, Step, minimise};
 use crate::estimate::{Estimates, robust_errors};
 use crate::free_parameters::FreeParameters;
 use crate::near_rest::{LeftNearRest, left_near_rest};
-use crate::parameter_id::ParameterId;
 use crate::place::regressor;
 use crate::position_load::{self, LoadShape, PositionLoad};
 use crate::residual_whiteness::effective_share;
 use crate::robust_covariance::Course;
 use crate::steady_point::SteadyPoint;
 use crate::stretch::Stretch;
+use far_from_rest::{heed_sliding, is_far_from_rest};
 use problem::OutputError;
 
 pub use along::predict;
@@ -241,6 +242,7 @@ pub fn fit_output_error(
     }
     let left = if exact { None } else { left(&problem, minimum.residuals.as_slice(), data) };
     if let Some(left) = &left {
+        heed_sliding(&minimum, &problem.motion(), left, &mut estimates);
         distrust_near_rest(&mut estimates, left);
     }
     let rms = prediction_rms(&Predictor { model, load }, data);
@@ -258,14 +260,10 @@ fn left(problem: &OutputError, residuals: &[f64], data: &Measured) -> Option<Lef
     left_near_rest(&left, size, velocity?, way?)
 }
 
-/// Parameters of sliding at speed, and of what acts beside friction. All others act near rest.
-const FAR_FROM_REST: [&str; 6] = ["f_c", "f_v", "offset", "spring", "gravity_sin", "gravity_cos"];
-
 /// Says of the parameters that act near rest that something else has taken part in them.
 fn distrust_near_rest(estimates: &mut Estimates, left: &LeftNearRest) {
-    let far = |id: ParameterId| FAR_FROM_REST.contains(&id.name);
     let remedy = "a model that has it, or slow motion in which both show apart";
-    estimates.distrust_but(far, &left.to_string(), remedy);
+    estimates.distrust_but(is_far_from_rest, &left.to_string(), remedy);
 }
 
 /// Root mean square of predicted minus measured force over all points and samples.

@@ -12,6 +12,7 @@ pub mod page;
 pub mod parameters;
 pub mod pictures;
 mod ranking;
+mod rivals;
 pub mod run;
 pub mod terminal;
 mod trust;

@@ -13,7 +13,9 @@ use friction_model::ModelName;
 
 use super::from_drive::{FromDrive, by_name};
 use super::ranking::{on_common_ground, ranked};
-use super::{Criterion, FrictionError, FrictionIdentification, Settings, Source, trust, wording};
+use super::{
+    Criterion, FrictionError, FrictionIdentification, Settings, Source, rivals, trust, wording,
+};
 use recording::AxisKind;
 use recording::stretches::FrictionRecording;
 use work::progress::Progress;
@@ -73,7 +75,11 @@ pub fn identify(
     }
     on_common_ground(&mut models, &data);
     let criterion = if held_out.is_some() { Criterion::HeldOut } else { Criterion::Bic };
-    let (models, chosen) = ranked(models, &data, held_out.as_ref(), criterion);
+    let (mut models, chosen) = ranked(models, &data, held_out.as_ref(), criterion);
+    models.iter_mut().for_each(|model| trust::distrust(model, &data));
+    if let Some(chosen) = chosen {
+        rivals::heed(&mut models, chosen);
+    }
     let mut warnings = Vec::new();
     match chosen.and_then(|place| models.get(place)) {
         Some(chosen) => {
