@@ -1,5 +1,6 @@
-//! The tests in two lanes at once. What runs in real time or speaks DDS mostly waits: one program
-//! after the other, as ever. All else computes, and takes the processor time that is left over.
+//! The tests in three lanes at once, in each of which one program runs after the other. What runs in
+//! real time mostly waits: over a network in one lane, over a line in another. All else computes, and
+//! takes the processor time that is left over.
 
 use std::ffi::OsString;
 use std::io::{self, BufReader, Write};
@@ -13,54 +14,62 @@ use serde_json::Value;
 
 use crate::tally::Tally;
 
-/// Test programs that drive a device in real time, speak DDS or time what others do.
-const IN_REAL_TIME: [&str; 38] = [
+/// Test programs that speak DDS or serve a page, each in real time.
+const OVER_A_NETWORK: [&str; 23] = [
     "answers",
     "apart",
     "bench_live",
     "blocked_stderr",
-    "broken_lines",
-    "coasting",
     "colcon",
-    "commission_serial",
     "cyclone",
     "doctor",
     "examples",
-    "exit_codes",
     "experiment_over_nodes",
-    "fleet_cluster",
     "foreign_host",
     "hostile_traffic",
-    "killed_drivers",
     "killed_processes",
-    "live_serial",
     "matrix",
     "paused",
-    "quanser",
     "rclpy",
-    "resume",
-    "rig",
-    "rig_setup",
     "ros2_verbs",
-    "round_trip",
-    "run_serial",
     "security",
     "server",
     "signals",
     "stopping",
-    "strangers",
     "view",
     "view_work",
     "viewers",
-    "python_package",
 ];
+
+/// Test programs that drive a device in real time over a line of its own, or time what others do.
+const OVER_A_LINE: [&str; 15] = [
+    "broken_lines",
+    "coasting",
+    "commission_serial",
+    "exit_codes",
+    "fleet_cluster",
+    "killed_drivers",
+    "live_serial",
+    "python_package",
+    "quanser",
+    "resume",
+    "rig",
+    "rig_setup",
+    "round_trip",
+    "run_serial",
+    "strangers",
+];
+
+/// Programs by lane: over a network, over a line, and those that compute.
+const LANES: usize = 3;
+const COMPUTING: usize = LANES - 1;
 
 /// The options of `cargo test` that name the programs of each lane: all programs of the workspace,
 /// each once.
 ///
 /// # Errors
 /// cargo does not tell which there are, or one that is listed here is none.
-fn programs(root: &Path) -> anyhow::Result<[Vec<String>; 2]> {
+fn programs(root: &Path) -> anyhow::Result<[Vec<String>; LANES]> {
     let output = cargo()
         .args(["metadata", "--no-deps", "--format-version", "1", "--locked"])
         .current_dir(root)
@@ -70,15 +79,21 @@ fn programs(root: &Path) -> anyhow::Result<[Vec<String>; 2]> {
     ensure!(output.status.success(), "cargo metadata failed");
     let told: Value = serde_json::from_slice(&output.stdout)?;
     let lanes = sorted(&told);
-    for name in IN_REAL_TIME {
-        ensure!(lanes[0].iter().any(|known| known == name), "there is no test program `{name}`");
+    for (lane, name) in in_real_time() {
+        ensure!(lanes[lane].iter().any(|known| known == name), "there is no test program `{name}`");
     }
     Ok(lanes)
 }
 
+/// Programs that run in real time, with their lane.
+fn in_real_time() -> impl Iterator<Item = (usize, &'static str)> {
+    let of = |(lane, names): (usize, &'static [&str])| names.iter().map(move |&name| (lane, name));
+    [&OVER_A_NETWORK[..], &OVER_A_LINE].into_iter().enumerate().flat_map(of)
+}
+
 /// See [`programs`].
-fn sorted(told: &Value) -> [Vec<String>; 2] {
-    let mut lanes = [Vec::new(), vec!["--lib".to_owned(), "--bins".to_owned()]];
+fn sorted(told: &Value) -> [Vec<String>; LANES] {
+    let mut lanes = [Vec::new(), Vec::new(), vec!["--lib".to_owned(), "--bins".to_owned()]];
     let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
     for package in list(&told["packages"]) {
         let usual = list(&package["features"]["default"]);
@@ -89,7 +104,8 @@ fn sorted(told: &Value) -> [Vec<String>; 2] {
                 continue;
             }
             let name = target["name"].as_str().unwrap_or_default();
-            let lane = &mut lanes[usize::from(!IN_REAL_TIME.contains(&name))];
+            let of = in_real_time().find(|(_, known)| *known == name);
+            let lane = &mut lanes[of.map_or(COMPUTING, |(lane, _)| lane)];
             if !lane.iter().any(|known| known == name) {
                 lane.extend([format!("--{kind}"), name.to_owned()]);
             }
@@ -108,28 +124,40 @@ pub fn run(
     arguments: &[&str],
     tally: &mut Tally,
 ) -> anyhow::Result<()> {
-    let [waiting, computing] = programs(root)?;
-    let (says, said) = channel();
-    let (first, (second, counted)) = thread::scope(|scope| {
-        let second = scope.spawn(|| {
-            let mut counted = Tally::default();
-            let mut says = Said(says);
-            let of = [arguments, &words(&computing)].concat();
-            let programs = hear(last_in_turn(), root, &of, environment, &mut counted, &mut says);
-            let of = [arguments, &["--doc"]].concat();
-            let documents = hear(last_in_turn(), root, &of, environment, &mut counted, &mut says);
-            (programs.and(documents), counted)
-        });
-        let of = [arguments, &words(&waiting)].concat();
-        let first = hear(cargo(), root, &of, environment, tally, &mut io::stdout());
-        // What the other lane has said so far, and what it still says.
-        for bytes in said {
-            let _ = io::stdout().write_all(&bytes);
+    let lanes = programs(root)?;
+    let documents = [vec!["--doc".to_owned()]];
+    let (results, counted): (Vec<_>, Vec<_>) = thread::scope(|scope| {
+        let mut quiet = Vec::new();
+        for (lane, programs) in lanes.iter().enumerate().skip(1) {
+            let (says, said) = channel();
+            let then = if lane == COMPUTING { &documents[..] } else { &[] };
+            let work = move || {
+                let (mut counted, mut says) = (Tally::default(), Said(says));
+                let mut result = Ok(());
+                for programs in std::iter::once(programs).chain(then) {
+                    let command = if lane == COMPUTING { last_in_turn() } else { cargo() };
+                    let of = [arguments, &words(programs)].concat();
+                    result =
+                        result.and(hear(command, root, &of, environment, &mut counted, &mut says));
+                }
+                (result, counted)
+            };
+            quiet.push((said, scope.spawn(work)));
         }
-        (first, second.join().expect("it does not panic"))
+        let of = [arguments, &words(&lanes[0])].concat();
+        let mut counted = Tally::default();
+        let first = hear(cargo(), root, &of, environment, &mut counted, &mut io::stdout());
+        // What the other lanes have said so far, and what they still say, one after the other.
+        let heard = quiet.into_iter().map(|(said, lane)| {
+            for bytes in said {
+                let _ = io::stdout().write_all(&bytes);
+            }
+            lane.join().expect("it does not panic")
+        });
+        std::iter::once((first, counted)).chain(heard).unzip()
     });
-    tally.add(counted);
-    first.and(second)
+    counted.into_iter().for_each(|counted| tally.add(counted));
+    results.into_iter().collect()
 }
 
 /// Runs cargo, passes on what it and the tests say, and counts.
@@ -207,13 +235,15 @@ mod tests {
                 target("examples", "test", &[]),
                 target("safety", "test", &["ros"]),
                 target("security_peers", "test", &["security"]),
+                target("quanser", "test", &[]),
                 target("firmware", "example", &[]),
                 target("controller", "bin", &[]),
                 json!({ "name": "slow", "kind": ["bench"], "test": false }),
             ]),
         ] });
-        let [waiting, computing] = sorted(&told);
-        assert_eq!(waiting, ["--test", "rclpy", "--test", "examples"]);
+        let [network, line, computing] = sorted(&told);
+        assert_eq!(network, ["--test", "rclpy", "--test", "examples"]);
+        assert_eq!(line, ["--test", "quanser"]);
         let rest = ["--lib", "--bins", "--test", "safety", "--example", "firmware"];
         assert_eq!(computing, rest);
     }
@@ -221,7 +251,9 @@ mod tests {
     #[test]
     fn the_programs_in_real_time_are_there() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
-        let [waiting, computing] = programs(root).unwrap();
-        assert!(waiting.len() >= 2 * IN_REAL_TIME.len() && computing.len() > 2, "{computing:?}");
+        let lanes = programs(root).unwrap();
+        let listed = OVER_A_NETWORK.len() + OVER_A_LINE.len();
+        assert!(lanes[0].len() + lanes[1].len() >= 2 * listed, "{lanes:?}");
+        assert!(lanes[COMPUTING].len() > 2, "{lanes:?}");
     }
 }
