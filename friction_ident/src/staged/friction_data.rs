@@ -74,10 +74,15 @@ impl FrictionData {
             && self.mixed.is_empty()
     }
 
+    /// Whether there are steady points enough for the static stage.
+    pub(super) fn has_steady_points(&self) -> bool {
+        self.points.len() >= FEWEST_POINTS
+    }
+
     /// Steady points for the static stage: those of constant velocities, or where they are too few,
     /// what slow enough sliding shows.
     pub(super) fn static_points(&self) -> Vec<SteadyPoint> {
-        if self.points.len() >= FEWEST_POINTS {
+        if self.has_steady_points() {
             return self.points.clone();
         }
         let mut points: Vec<SteadyPoint> =

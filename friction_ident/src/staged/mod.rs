@@ -10,6 +10,7 @@
 
 mod damping;
 mod decided;
+mod dips;
 mod exponent;
 mod friction_data;
 mod last_word;
