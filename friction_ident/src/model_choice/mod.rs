@@ -13,7 +13,7 @@ mod unfit;
 #[cfg(test)]
 mod tests;
 
-use crate::information::AS_GOOD;
+use crate::information::{AS_GOOD, Difference};
 use crate::statistics::Sample;
 
 pub use unfit::{Unfit, unfit};
@@ -27,18 +27,38 @@ pub struct Candidate {
     pub standard_error: f64,
     /// Parameters that were free in the fit.
     pub free_parameters: usize,
+    /// Logarithm of its mean square over the best one's in the usual block, as of
+    /// [`paired_ratio`](crate::information::paired_ratio).
+    pub ln_ratio: Difference,
     /// Whether its fit can be trusted.
     pub fit: bool,
 }
 
+impl Candidate {
+    /// Whether it is worse than the best by more than [`AS_GOOD`] in the usual block, clear of
+    /// chance. A few moments that no model predicts, such as breakaways, make the error of a mean
+    /// square so large that anything lies within it.
+    fn usually_worse(&self) -> bool {
+        let Difference { mean, standard_error } = self.ln_ratio;
+        mean > 2.0 * AS_GOOD.ln() && mean > CLEAR * standard_error
+    }
+}
+
+/// Standard errors that a model must be clear of the best by.
+const CLEAR: f64 = 2.0;
+
 /// The place of the model to use: the simplest within one standard error of the best, the better
 /// one of two alike. An error more than a fifth above the best is never taken for the sake of
-/// simplicity, however uncertain the best one's is. None where no model can be trusted.
+/// simplicity, however uncertain the best one's is; nor one that is as much above it in the usual
+/// block. None where no model can be trusted.
 ///
 /// ```
+/// use friction_ident::information::Difference;
 /// use friction_ident::model_choice::{Candidate, choose};
 ///
-/// let rich = Candidate { mean_square: 1.00, standard_error: 0.08, free_parameters: 6, fit: true };
+/// let ln_ratio = Difference { mean: 0.0, standard_error: 0.1 };
+/// let rich =
+///     Candidate { mean_square: 1.00, standard_error: 0.08, free_parameters: 6, ln_ratio, fit: true };
 /// let plain = Candidate { mean_square: 1.05, free_parameters: 2, ..rich };
 /// let diverged = Candidate { mean_square: 0.90, free_parameters: 0, fit: false, ..rich };
 /// assert_eq!(choose(&[rich, plain, diverged]), Some(1));
@@ -53,7 +73,8 @@ pub fn choose(candidates: &[Candidate]) -> Option<usize> {
     // An error of which nothing is known gives no leave to be worse.
     let leave = if best.standard_error.is_finite() { best.standard_error.max(0.0) } else { 0.0 };
     let most = (best.mean_square + leave).min(AS_GOOD * AS_GOOD * best.mean_square);
-    let within = trusted().filter(|(_, candidate)| candidate.mean_square <= most);
+    let within = trusted()
+        .filter(|(_, candidate)| candidate.mean_square <= most && !candidate.usually_worse());
     let simplest = within.min_by(|(_, a), (_, b)| {
         let better = a.mean_square.total_cmp(&b.mean_square);
         a.free_parameters.cmp(&b.free_parameters).then(better)

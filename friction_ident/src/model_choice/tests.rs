@@ -2,12 +2,28 @@ use friction_model::{AnyModel, ModelName};
 
 use super::*;
 use crate::estimate::{Doubt, Estimate, Estimates, Verdict};
-use crate::information::Information;
+use crate::information::{Difference, Information};
 use crate::position_load::PositionLoad;
 use crate::staged::Identified;
 
 fn candidate(mean_square: f64, standard_error: f64, free_parameters: usize) -> Candidate {
-    Candidate { mean_square, standard_error, free_parameters, fit: true }
+    let ln_ratio = Difference { mean: 0.0, standard_error: 0.1 };
+    Candidate { mean_square, standard_error, free_parameters, ln_ratio, fit: true }
+}
+
+/// "Worse: 6.98 times the mean square in the usual block (2.41 to 20.2)", and chosen: a few breakaways
+/// that no model predicts made one standard error that wide.
+#[test]
+fn what_is_clearly_worse_in_the_usual_block_is_not_chosen_for_being_simple() {
+    let best = candidate(1.0, 0.5, 6);
+    let plain = |mean: f64, standard_error: f64| Candidate {
+        ln_ratio: Difference { mean, standard_error },
+        ..candidate(1.1, 0.5, 2)
+    };
+    assert_eq!(choose(&[best, plain(7f64.ln(), 0.5)]), Some(0));
+    // By little, or by chance, is no reason.
+    assert_eq!(choose(&[best, plain(1.2f64.ln(), 0.01)]), Some(1));
+    assert_eq!(choose(&[best, plain(7f64.ln(), 1.2)]), Some(1));
 }
 
 /// A fit that ran away has no identified parameter, and was once taken for the simplest model.

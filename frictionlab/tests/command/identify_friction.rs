@@ -323,6 +323,8 @@ fn each_direction_gets_its_own_parameters_and_its_own_entry() {
         let value = number(&document, &format!("/models/stribeck/parameters/{name}/value"));
         assert!((value / expected - 1.0).abs() < 2e-3, "{name}: {value}");
     }
+    // A sensor's zero would be in both, of either sign.
+    assert!(document["notes"].to_string().contains("half the difference"), "{}", document["notes"]);
     let models = read_parameter_file(&desk.text("out/parameters.yaml")).unwrap();
     assert!(
         (models.get(ModelName::Stribeck).steady_state(-1.0) / truth.steady_state(-1.0) - 1.0).abs()

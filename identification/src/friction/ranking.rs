@@ -115,11 +115,13 @@ impl Scored {
         last.then(self.score.total_cmp(&other.score))
     }
 
-    fn candidate(&self) -> Candidate {
+    /// As a candidate beside the `best`.
+    fn candidate(&self, best: &[f64]) -> Candidate {
         Candidate {
             mean_square: self.result.error().powi(2),
             standard_error: model_choice::standard_error(&self.residuals, BLOCKS),
             free_parameters: self.result.found.free_parameters,
+            ln_ratio: paired_ratio(&self.residuals.concat(), best, BLOCKS),
             fit: self.unfit.is_none(),
         }
     }
@@ -138,15 +140,16 @@ pub(super) fn ranked(
     let mut scored: Vec<Scored> = models.into_iter().map(score).collect();
     // The sort is stable: equals keep the order in which they were asked for.
     scored.sort_by(Scored::before);
-    let chosen = match criterion {
-        Criterion::HeldOut => {
-            model_choice::choose(&scored.iter().map(Scored::candidate).collect::<Vec<_>>())
-        }
-        Criterion::Bic => simplest(&scored),
-    };
     let Some(first) = scored.first() else { return (Vec::new(), None) };
     let (best_score, best_error) = (first.score, first.result.error());
     let best = first.residuals.concat();
+    let chosen = match criterion {
+        Criterion::HeldOut => {
+            let candidate = |scored: &Scored| scored.candidate(&best);
+            model_choice::choose(&scored.iter().map(candidate).collect::<Vec<_>>())
+        }
+        Criterion::Bic => simplest(&scored),
+    };
     let place = |(place, scored): (usize, Scored)| {
         let Scored { score, residuals, mut result, .. } = scored;
         if place > 0 {

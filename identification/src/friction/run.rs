@@ -98,6 +98,7 @@ pub fn identify(
         );
     }
     notes.extend(wording::beside(&beside));
+    notes.extend(settings.staged.asymmetric.then(|| wording::TWO_DIRECTIONS.to_owned()));
     notes.extend(wording::source_notes(files.iter().chain(validation), settings));
     notes.extend(held_out.as_ref().and_then(|held_out| wording::unseen_kinds(&data, held_out)));
     Ok(FrictionIdentification {

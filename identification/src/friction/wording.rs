@@ -24,6 +24,10 @@ pub(super) fn progress(name: ModelName, stage: Stage, sum: f64) -> String {
     format!("{name} {stage} {sum:.2e}")
 }
 
+/// What the levels of two directions hold.
+pub(super) const TWO_DIRECTIONS: &str = "The levels of the two directions hold any constant force that acts beside friction, such as a sensor's zero: \
+     half the difference of the two may be that.";
+
 /// What is estimated beside friction, and why.
 pub(super) fn beside(choice: &PositionLoadChoice) -> Option<String> {
     let left = |wanted: LoadShape| {
@@ -160,8 +164,8 @@ pub(super) fn criterion(found: &FrictionIdentification) -> &'static str {
             "In order of the error on the recordings held out. Models are compared over 20 blocks of the same samples: one is told from the first where \
              the mean of the blocks' mean squares, or of their logarithms, is worse by more than two of its standard errors. One that is not, and whose error is at most a fifth \
              larger, cannot be told from the first; with a larger error the recordings do not decide. Chosen is the model with the fewest free parameters of those \
-             whose mean square is within one standard error of the best one's own, and whose error is at most a fifth larger. A fit that did not converge, ran \
-             away or ended at a bound cannot be chosen."
+             whose mean square is within one standard error of the best one's own, and whose error is at most a fifth larger, in the usual block too. A fit that did \
+             not converge, ran away or ended at a bound cannot be chosen."
         }
         Criterion::Bic => {
             "In order of Schwarz's criterion (BIC), which charges for every parameter; the samples are counted by how many of them are independent, as the \
