@@ -31,7 +31,7 @@ const DEPTHS: [f64; 2] = [1.3, 2.0];
 const NOTHING: f64 = 0.03;
 const OF_LARGEST: [f64; 2] = [0.3, 0.6];
 const REACHES: [f64; 3] = [0.01, 0.05, 0.25];
-/// Free parameters up to which the search is repeated.
+/// Free parameters of one direction up to which the search is repeated.
 const MOST_FREE: usize = 10;
 
 impl Work<'_> {
@@ -44,7 +44,8 @@ impl Work<'_> {
         measured: &Measured,
         watch: Watch,
     ) -> Result<OutputErrorFit, IdentError> {
-        let many = found.estimates.parameters.len() > MOST_FREE;
+        let sides = Side::of(self.options.asymmetric).len();
+        let many = found.estimates.parameters.len() > MOST_FREE * sides;
         if self.stopped || many || self.data.has_steady_points() {
             return Ok(found);
         }
