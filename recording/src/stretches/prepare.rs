@@ -34,13 +34,13 @@ pub(super) fn prepare(
     let velocity = velocity.map(|values| clean("velocity", &values)).transpose()?;
     let position = samples.position.as_ref().map(|values| even.channel(values, samples.step));
     let position = position.map(|values| clean("position", &values)).transpose()?;
-    // An encoder's steps are no motion: its path between the counts is used. Beside a measured
+    // An encoder's steps are no motion: alone its path between the counts is used. Beside a measured
     // velocity it tells the place, on which a weight or a spring depends, and no more.
     let step = position.as_deref().and_then(step_of);
     let counted_beside = step.is_some() && velocity.is_some();
-    let position = match (position, step) {
-        (Some(position), Some(step)) => Some(between_steps(position, step)?),
-        (position, _) => position,
+    let position = match (position, step, &velocity) {
+        (Some(position), Some(step), None) => Some(between_steps(position, step)?),
+        (position, ..) => position,
     };
 
     let filter = SavitzkyGolay::new(3, frame(dt, even.len()))?;
@@ -96,9 +96,17 @@ pub(super) fn prepare(
     Ok((stretch, errors))
 }
 
+/// Counts a sample, on average, from which an encoder is fine enough to be differentiated as it is.
+const FINE: f64 = 16.0;
+
 /// The position between the counts of an encoder \[m or rad\]. One that hardly moved has no path
-/// between its counts and stays as it is.
+/// between its counts and stays as it is; so does one whose counts are much finer than its motion,
+/// of which the edges passed would fill the memory.
 fn between_steps(position: Vec<f64>, step: f64) -> Result<Vec<f64>, IdentError> {
+    let way: f64 = position.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
+    if way > FINE * step * position.len() as f64 {
+        return Ok(position);
+    }
     let first = position.first().copied().unwrap_or(0.0);
     match between_counts(&position, step, Turn::Sharp) {
         Ok(path) => Ok(path.into_iter().map(|x| first + x).collect()),

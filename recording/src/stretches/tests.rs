@@ -140,6 +140,32 @@ fn counts_beside_a_velocity_tell_the_place() {
     assert!(load.terms().contains(&AxisTerm::GravitySin), "{load:?}");
 }
 
+/// Every edge that was passed took its place in memory, and beyond ten thousand a sample the
+/// recording was refused.
+#[test]
+fn counts_far_finer_than_the_motion_need_no_path_between_them() {
+    const STEP: f64 = 1e-6;
+    for beside in [false, true] {
+        let mut text = "t_s,position_rad,velocity_rad_s,torque_Nm\n".to_owned();
+        if !beside {
+            text = text.replace("velocity_rad_s,", "");
+        }
+        let mut q = 0.0;
+        for k in 0..4000 {
+            let t = f64::from(k) * 1e-3;
+            // A third of the time at rest, then slow, then 30 000 counts a sample.
+            let v: f64 =
+                [0.0, 1e-3, 30.0][usize::from(k % 1500 >= 500) + usize::from(k % 1500 >= 600)];
+            q += 1e-3 * v;
+            let counted = (q / STEP).round() * STEP;
+            let velocity = if beside { format!("{v:.9},") } else { String::new() };
+            writeln!(text, "{t:.4},{counted:.6},{velocity}{:.9}", 0.1 * v.signum()).unwrap();
+        }
+        let found = parsed(&text).unwrap();
+        assert!(!found.stretches.is_empty(), "{beside}");
+    }
+}
+
 #[test]
 fn replaced_outliers_are_listed() {
     let mut text = "t_s,velocity_rad_s,torque_Nm\n".to_owned();
