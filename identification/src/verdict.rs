@@ -37,7 +37,7 @@ pub fn why(estimate: &Estimate, doubt: &Doubt) -> String {
             end(*high)
         ),
         Doubt::RivalsDisagree { low, high } => {
-            format!("other fits that are as good put it elsewhere: {} to {}", end(*low), end(*high))
+            format!("other fits put it elsewhere: {} to {}", end(*low), end(*high))
         }
         Doubt::HalvesDisagree { low, high } => format!(
             "disjoint halves of the recordings disagree on it: {} to {}",

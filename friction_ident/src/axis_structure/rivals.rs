@@ -10,7 +10,7 @@ use super::naming::SPEEDS;
 use super::said::Said;
 use super::{Choice, CrossValidation, Ranked, curved, doubts, sliding};
 use crate::conditioning::Conditioned;
-use crate::estimate::{Estimate, Interval};
+use crate::estimate::Estimate;
 use crate::parameter_id::{ParameterId, Side};
 
 /// What to measure where structures disagree.
@@ -95,20 +95,10 @@ impl StructureFit {
     }
 
     fn widen(&mut self, all: &[Said]) {
-        let ends = |end: fn(Interval) -> f64| -> Vec<f64> {
-            let of = |estimate: &Estimate| estimate.interval.map_or(estimate.value, end);
-            self.estimates.parameters.iter().map(of).collect()
-        };
-        let (own_low, own_high) = (ends(|interval| interval.low), ends(|interval| interval.high));
-        let own = self.structure;
-        for said in all {
-            for (k, estimate) in self.estimates.parameters.iter_mut().enumerate() {
-                let Some(value) = said.value(estimate.id, own) else { continue };
-                // Around its value the rival is no surer than the chosen one is around its own.
-                let (below, above) = (estimate.value - own_low[k], own_high[k] - estimate.value);
-                let (low, high) = (value - below, value + above);
-                estimate.reach(low, high, TELLS_APART);
-            }
+        for estimate in &mut self.estimates.parameters {
+            let (id, own) = (estimate.id, self.structure);
+            let values = all.iter().filter_map(|said| said.value(id, own));
+            estimate.reach_around(values, TELLS_APART);
         }
     }
 }

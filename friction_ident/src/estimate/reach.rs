@@ -24,11 +24,12 @@ impl Estimate {
         }
     }
 
-    /// The same for a fit that finds `value` and is no surer of it than this one is of its own.
-    pub fn reach_around(&mut self, value: f64, remedy: &'static str) {
+    /// The same for fits that find these `values`, and are no surer of them than this one is of its
+    /// own.
+    pub fn reach_around(&mut self, values: impl IntoIterator<Item = f64>, remedy: &'static str) {
         let Some(interval) = self.interval else { return };
         let (below, above) = (self.value - interval.low, interval.high - self.value);
-        self.reach(value - below, value + above, remedy);
+        values.into_iter().for_each(|value| self.reach(value - below, value + above, remedy));
     }
 }
 
@@ -49,17 +50,17 @@ mod tests {
     #[test]
     fn an_interval_reaches_to_another_value_and_as_far_beyond() {
         let mut own = estimate("f_c");
-        own.reach_around(1.05, "more");
+        own.reach_around([1.05, 0.98], "more");
         let interval = own.interval.unwrap();
-        assert!((interval.low - 0.9).abs() < 1e-12 && (interval.high - 1.15).abs() < 1e-12);
+        assert!((interval.low - 0.88).abs() < 1e-12 && (interval.high - 1.15).abs() < 1e-12);
         assert!(own.is_identified());
-        own.reach_around(2.5, "more");
+        own.reach_around([2.5], "more");
         assert!(matches!(
             own.verdict,
             Verdict::NotIdentifiable { doubt: Doubt::RivalsDisagree { .. }, remedy: "more" }
         ));
         let mut offset = estimate("offset");
-        offset.reach_around(-2.5, "more");
+        offset.reach_around([-2.5], "more");
         assert!(offset.is_identified());
     }
 }

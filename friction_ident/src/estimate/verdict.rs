@@ -176,7 +176,7 @@ pub enum Doubt {
         high: f64,
     },
     /// Structures or models that predict as well put it elsewhere.
-    #[error("other fits that are as good put it elsewhere: {low:.4e} to {high:.4e}")]
+    #[error("other fits put it elsewhere: {low:.4e} to {high:.4e}")]
     RivalsDisagree {
         /// Least of them.
         low: f64,

@@ -39,13 +39,9 @@ impl Candidate {
     /// chance. A few moments that no model predicts, such as breakaways, make the error of a mean
     /// square so large that anything lies within it.
     fn usually_worse(&self) -> bool {
-        let Difference { mean, standard_error } = self.ln_ratio;
-        mean > 2.0 * AS_GOOD.ln() && mean > CLEAR * standard_error
+        self.ln_ratio.mean > 2.0 * AS_GOOD.ln() && !self.ln_ratio.is_tie()
     }
 }
-
-/// Standard errors that a model must be clear of the best by.
-const CLEAR: f64 = 2.0;
 
 /// The place of the model to use: the simplest within one standard error of the best, the better
 /// one of two alike. An error more than a fifth above the best is never taken for the sake of

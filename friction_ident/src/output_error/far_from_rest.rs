@@ -6,11 +6,9 @@
 //! much what is missing may have moved them. A dip ends nowhere: just beyond the speeds at which it
 //! shows it still takes most of what it took.
 
-use nalgebra::DMatrix;
-
 use crate::bounded::Minimum;
 use crate::estimate::Estimates;
-use crate::finite::finite;
+use crate::least_squares::solve;
 use crate::near_rest::{LeftNearRest, NearRest};
 use crate::parameter_id::ParameterId;
 use crate::statistics::{quantile, sorted};
@@ -55,25 +53,12 @@ pub(super) fn heed_sliding(
     }
     let jacobian = minimum.jacobian.select_columns(&free).select_rows(&beyond);
     let residuals = minimum.residuals.select_rows(&beyond);
-    let Some(moves) = least_squares(&jacobian, &residuals) else { return };
-    for (&j, moved) in free.iter().zip(moves) {
+    let Ok(moves) = solve(&jacobian, &residuals) else { return };
+    for (&j, &moved) in free.iter().zip(&moves.x) {
         if let Some(estimate) = estimates.parameters.get_mut(j) {
-            estimate.reach_around(estimate.value - moved, REMEDY);
+            estimate.reach_around([estimate.value - moved], REMEDY);
         }
     }
-}
-
-/// Coefficients of the columns with which they come nearest to `rows`; none where they cannot be told
-/// apart.
-fn least_squares(columns: &DMatrix<f64>, rows: &nalgebra::DVector<f64>) -> Option<Vec<f64>> {
-    let norms: Vec<f64> = columns.column_iter().map(|column| column.norm()).collect();
-    let scaled =
-        DMatrix::from_fn(columns.nrows(), columns.ncols(), |k, j| columns[(k, j)] / norms[j]);
-    let scaled = finite(scaled)?;
-    let inverse = scaled.tr_mul(&scaled).try_inverse()?;
-    let found = inverse * scaled.tr_mul(rows);
-    let found: Vec<f64> = found.iter().zip(&norms).map(|(value, norm)| value / norm).collect();
-    found.iter().all(|value| value.is_finite()).then_some(found)
 }
 
 #[cfg(test)]

@@ -12,7 +12,6 @@ use friction_model::{AnyModel, AnyParameters};
 use super::decided::Damping;
 use super::stage::Stage;
 use super::work::{Watch, Work};
-use crate::IdentError;
 use crate::output_error::{Measured, OutputErrorFit, Predictor};
 use crate::parameter_id::{ParameterId, Side};
 use crate::statistics::{quantile, sorted};
@@ -43,13 +42,13 @@ impl Work<'_> {
         damping: Damping,
         measured: &Measured,
         watch: Watch,
-    ) -> Result<OutputErrorFit, IdentError> {
+    ) -> OutputErrorFit {
         let sides = Side::of(self.options.asymmetric).len();
         let many = found.estimates.parameters.len() > MOST_FREE * sides;
         if self.stopped || many || self.data.has_steady_points() {
-            return Ok(found);
+            return found;
         }
-        let Some(start) = best_dip(&found, measured) else { return Ok(found) };
+        let Some(start) = best_dip(&found, measured) else { return found };
         let before = (self.load, self.converged);
         let estimated = match damping {
             Damping::Computed => false,
@@ -58,10 +57,10 @@ impl Work<'_> {
         };
         let other = self.refine(&start, estimated, measured, watch).ok();
         match other.filter(|_| !self.stopped) {
-            Some(other) if misfit(&other, measured) < misfit(&found, measured) => Ok(other),
+            Some(other) if misfit(&other, measured) < misfit(&found, measured) => other,
             _ => {
                 (self.load, self.converged) = before;
-                Ok(found)
+                found
             }
         }
     }

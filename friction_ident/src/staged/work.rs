@@ -191,7 +191,7 @@ impl<'a> Work<'a> {
             Damping::Estimated => self.refine(&model, true, &measured, watch)?,
             Damping::Either => self.refine_either(&model, &measured, watch)?,
         };
-        let fit = self.with_a_dip(fit, damping, &measured, watch)?;
+        let fit = self.with_a_dip(fit, damping, &measured, watch);
         Ok(self.keep(Stage::Joint, measured.len(), fit))
     }
 

@@ -115,13 +115,13 @@ impl Scored {
         last.then(self.score.total_cmp(&other.score))
     }
 
-    /// As a candidate beside the `best`.
-    fn candidate(&self, best: &[f64]) -> Candidate {
+    /// As a candidate, once it has been compared with the best.
+    fn candidate(&self) -> Candidate {
         Candidate {
             mean_square: self.result.error().powi(2),
             standard_error: model_choice::standard_error(&self.residuals, BLOCKS),
             free_parameters: self.result.found.free_parameters,
-            ln_ratio: paired_ratio(&self.residuals.concat(), best, BLOCKS),
+            ln_ratio: self.result.ratio,
             fit: self.unfit.is_none(),
         }
     }
@@ -140,33 +140,28 @@ pub(super) fn ranked(
     let mut scored: Vec<Scored> = models.into_iter().map(score).collect();
     // The sort is stable: equals keep the order in which they were asked for.
     scored.sort_by(Scored::before);
-    let Some(first) = scored.first() else { return (Vec::new(), None) };
+    let Some((first, others)) = scored.split_first_mut() else { return (Vec::new(), None) };
     let (best_score, best_error) = (first.score, first.result.error());
     let best = first.residuals.concat();
+    for Scored { score, residuals, result, .. } in others {
+        let residuals = residuals.concat();
+        result.difference = paired_difference(&residuals, &best, BLOCKS);
+        result.ratio = paired_ratio(&residuals, &best, BLOCKS);
+        let within = match criterion {
+            Criterion::HeldOut => {
+                result.difference.is_tie() && (result.ratio.is_tie() || result.ratio.mean < 0.0)
+            }
+            Criterion::Bic => *score - best_score < BIC_NOTICEABLE,
+        };
+        result.standing = Standing::of(result.error(), best_error, within);
+    }
     let chosen = match criterion {
         Criterion::HeldOut => {
-            let candidate = |scored: &Scored| scored.candidate(&best);
-            model_choice::choose(&scored.iter().map(candidate).collect::<Vec<_>>())
+            model_choice::choose(&scored.iter().map(Scored::candidate).collect::<Vec<_>>())
         }
         Criterion::Bic => simplest(&scored),
     };
-    let place = |(place, scored): (usize, Scored)| {
-        let Scored { score, residuals, mut result, .. } = scored;
-        if place > 0 {
-            let residuals = residuals.concat();
-            result.difference = paired_difference(&residuals, &best, BLOCKS);
-            result.ratio = paired_ratio(&residuals, &best, BLOCKS);
-            let within = match criterion {
-                Criterion::HeldOut => {
-                    result.difference.is_tie() && (result.ratio.is_tie() || result.ratio.mean < 0.0)
-                }
-                Criterion::Bic => score - best_score < BIC_NOTICEABLE,
-            };
-            result.standing = Standing::of(result.error(), best_error, within);
-        }
-        result
-    };
-    (scored.into_iter().enumerate().map(place).collect(), chosen)
+    (scored.into_iter().map(|scored| scored.result).collect(), chosen)
 }
 
 /// Of the models that Schwarz's criterion does not tell from the best one, and whose error is about

@@ -29,15 +29,10 @@ pub(super) fn heed(models: &mut [ModelResult], chosen: usize) {
     let Some(own) = models.get_mut(chosen) else { return };
     for estimate in &mut own.found.estimates.parameters {
         let id = estimate.id;
-        if !means_the_same(id) {
-            continue;
-        }
-        let Some(interval) = estimate.interval else { continue };
-        let (below, above) = (estimate.value - interval.low, interval.high - estimate.value);
-        let said =
-            rivals.iter().filter_map(|rival| rival.get(id)).filter(|rival| rival.is_identified());
-        for value in said.map(|rival| rival.value) {
-            estimate.reach(value - below, value + above, REMEDY);
+        if means_the_same(id) {
+            let said = rivals.iter().filter_map(|rival| rival.get(id));
+            let told = said.filter(|rival| rival.is_identified());
+            estimate.reach_around(told.map(|rival| rival.value), REMEDY);
         }
     }
 }

@@ -76,14 +76,14 @@ pub fn identify(
     on_common_ground(&mut models, &data);
     let criterion = if held_out.is_some() { Criterion::HeldOut } else { Criterion::Bic };
     let (mut models, chosen) = ranked(models, &data, held_out.as_ref(), criterion);
-    models.iter_mut().for_each(|model| trust::distrust(model, &data));
+    let whole: Vec<_> = models.iter_mut().map(|model| trust::distrust(model, &data)).collect();
     if let Some(chosen) = chosen {
         rivals::heed(&mut models, chosen);
     }
     let mut warnings = Vec::new();
-    match chosen.and_then(|place| models.get(place)) {
-        Some(chosen) => {
-            warnings.extend(trust::doubts(chosen, &data, settings.axis));
+    match chosen.and_then(|place| models.get(place).zip(whole.get(place))) {
+        Some((chosen, whole)) => {
+            warnings.extend(trust::doubts(chosen, whole, &data, settings.axis));
             let elsewhere = held_out.as_ref();
             warnings.extend(
                 elsewhere.and_then(|held_out| trust::worse_elsewhere(chosen, &data, held_out)),

@@ -45,12 +45,14 @@ fn force(data: &FrictionData) -> f64 {
     root_mean_square(&all)
 }
 
-/// Takes the verdict `identified` from all parameters of a model that leaves too much of the motion
-/// that slides: what it lacks has gone into them.
-pub(super) fn distrust(model: &mut ModelResult, data: &FrictionData) {
-    if whole(model, data).iter().any(FitDoubt::condemns) {
+/// Why the fit of a model is not to be trusted as a whole. Takes the verdict `identified` from all its
+/// parameters where it leaves too much of the motion that slides: what it lacks has gone into them.
+pub(super) fn distrust(model: &mut ModelResult, data: &FrictionData) -> Vec<FitDoubt> {
+    let doubts = whole(model, data);
+    if doubts.iter().any(FitDoubt::condemns) {
         model.found.estimates.distrust();
     }
+    doubts
 }
 
 /// Why the fit of a model is not to be trusted as a whole, from the motion that slides.
@@ -76,8 +78,13 @@ fn whole(model: &ModelResult, data: &FrictionData) -> Vec<FitDoubt> {
     doubts_of(&residual, &measured, &columns)
 }
 
-/// What is wrong with a model as a whole, in sentences; from the motion that slides.
-pub(super) fn doubts(chosen: &ModelResult, data: &FrictionData, axis: AxisKind) -> Vec<String> {
+/// What is wrong with a model as a whole, in sentences: `whole` is what [`distrust`] found.
+pub(super) fn doubts(
+    chosen: &ModelResult,
+    whole: &[FitDoubt],
+    data: &FrictionData,
+    axis: AxisKind,
+) -> Vec<String> {
     let stretches = || data.lag.iter().chain(&data.mixed);
     let velocity: Vec<f64> = stretches().flat_map(|stretch| &stretch.velocity).copied().collect();
     if velocity.is_empty() {
@@ -97,12 +104,7 @@ pub(super) fn doubts(chosen: &ModelResult, data: &FrictionData, axis: AxisKind) 
         .last()
         .and_then(|last| last.left)
         .map(|left| format!("{name}: {left}. Its parameters near rest are not to be trusted."));
-    whole(chosen, data)
-        .into_iter()
-        .map(|doubt| format!("{name} {doubt}."))
-        .chain(near_rest)
-        .chain(one_speed)
-        .collect()
+    whole.iter().map(|doubt| format!("{name} {doubt}.")).chain(near_rest).chain(one_speed).collect()
 }
 
 #[cfg(test)]
