@@ -3,7 +3,8 @@
     ros2 launch friction_bringup live.launch.py model:=lugre mode:=position
     ros2 launch friction_bringup live.launch.py rig:=serial:/dev/ttyACM0 serve:=true
 
-`frictionlab` must be on the PATH, where `source install/setup.bash` puts it, and `cargo install --path frictionlab`. Arguments that are not given come from
+`frictionlab` must be on the PATH, where `source install/setup.bash` puts it, and
+`cargo install --locked --path frictionlab`. Arguments that are not given come from
 `config/live.yaml`, or from the file named by `config:=`.
 """
 

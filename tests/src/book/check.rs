@@ -89,7 +89,8 @@ pub fn check(words: &[String]) -> Result<(), String> {
         ["rig_emulator", rest @ ..] => ours(rig_emulator(), rest),
         // The tasks are held to their own definition by a test of xtask.
         ["cargo", "xtask", ..] => Ok(()),
-        ["cargo", "install", "--path", folder, rest @ ..] => {
+        // Without `--locked`, cargo takes the newest version of all that the program stands on.
+        ["cargo", "install", "--locked", "--path", folder, rest @ ..] => {
             let known = folder.starts_with('$') || has_program(folder);
             let rest = rest.iter().all(|word| *word == "--no-default-features");
             (known && rest).then_some(()).ok_or(format!("{folder} has no program to install"))
