@@ -12,6 +12,7 @@ use std::{
 };
 
 use anyhow::{Context, bail, ensure};
+use machine::Need;
 
 use crate::distribution::Distribution;
 
@@ -73,65 +74,75 @@ const RAY: &[&str] = &[
     "pytest>=8,<10",
 ];
 
+/// What [`prepare`] makes ready, in the words of a person.
+pub const PARTS: [(Need, &str); 8] = [
+    (Need::BagTools, "readers of bags (rosbags, mcap-ros2-support), pandas, matplotlib, pytest"),
+    (Need::PythonTools, "mypy, notebooks (nbclient, ipykernel), maturin"),
+    (Need::Rclpy, "rclpy with friction_msgs"),
+    (Need::Cyclone, "Cyclone DDS (cyclonedds)"),
+    (Need::Rerun, "a viewer of bags (rerun-sdk)"),
+    (Need::Mujoco, "MuJoCo, the newest and an older one"),
+    (Need::RayCluster, "Ray, and a server of an object store"),
+    // It builds with what comes with rclpy.
+    (Need::Colcon, "colcon"),
+];
+
 /// The environment, and what of it can be used.
 #[derive(Debug)]
 pub struct PythonEnv {
     /// Folder of the environment.
     pub dir: PathBuf,
-    /// Why there are no readers of bags, if there are none.
-    pub bag_tools: anyhow::Result<()>,
-    /// Why there is nothing that checks and builds our Python, if there is none.
-    pub python_tools: anyhow::Result<()>,
-    /// Why there is no rclpy, if there is none.
-    pub rclpy: anyhow::Result<()>,
-    /// Why there is no Cyclone DDS, which has an environment of its own, if there is none.
-    pub cyclone: anyhow::Result<()>,
-    /// Why there is no rerun, which has an environment of its own, if there is none.
-    pub rerun: anyhow::Result<()>,
-    /// Why there is no MuJoCo, of which two versions have environments of their own, if there is
-    /// none.
-    pub mujoco: anyhow::Result<()>,
-    /// Why there is no Ray, which has an environment of its own, if there is none.
-    pub ray: anyhow::Result<()>,
-    /// Why there is no colcon, if there is none. It builds with what comes with rclpy.
-    pub colcon: anyhow::Result<()>,
+    /// Each of [`PARTS`], in that order: why it is not there, if it is not.
+    pub parts: Vec<anyhow::Result<()>>,
 }
 
-/// Makes the environment of Kilted in `target/python`, or finds it made. Needs the network the
-/// first time.
+impl PythonEnv {
+    /// The parts that are not there, in words, and why.
+    pub fn missing(&self) -> impl Iterator<Item = (&'static str, &anyhow::Error)> {
+        let with_words = PARTS.iter().zip(&self.parts);
+        with_words.filter_map(|((_, what), part)| Some((*what, part.as_ref().err()?)))
+    }
+
+    /// The folder of the environment, once its rclpy is there.
+    ///
+    /// # Errors
+    /// Why there is no rclpy.
+    pub fn with_rclpy(self) -> anyhow::Result<PathBuf> {
+        let place = PARTS.iter().position(|(need, _)| *need == Need::Rclpy);
+        let rclpy = place.and_then(|place| self.parts.into_iter().nth(place));
+        rclpy.context("rclpy is one of the parts")??;
+        Ok(self.dir)
+    }
+}
+
+/// Makes the environment of Kilted in `target/python`, and those beside it, or finds them made.
+/// Needs the network the first time.
 ///
 /// # Errors
-/// No Python 3 with `venv`, or a target folder that cannot be written. A half that cannot be had is
+/// No Python 3 with `venv`, or a target folder that cannot be written. A part that cannot be had is
 /// told in the result.
 pub fn prepare() -> anyhow::Result<PythonEnv> {
-    let environment = Environment::make(&target()?.join(Distribution::Kilted.folder()))?;
-    let bag_tools =
-        environment.half("bag_tools", BAG_TOOLS.join("\n"), || environment.install(BAG_TOOLS));
-    let python_tools = environment
-        .half("python_tools", PYTHON_TOOLS.join("\n"), || environment.install(PYTHON_TOOLS));
-    let rclpy = environment.rclpy(Distribution::Kilted);
-    let cyclone = Environment::make(&target()?.join("python-cyclone")).and_then(|environment| {
-        environment.half("cyclone", CYCLONE.join("\n"), || environment.install(CYCLONE))
-    });
-    let rerun = Environment::make(&target()?.join("python-rerun")).and_then(|environment| {
-        environment.half("rerun", RERUN.join("\n"), || environment.install(RERUN))
-    });
-    let colcon = environment.half("colcon", COLCON.join("\n"), || environment.install(COLCON));
-    let mujoco = mujoco().map(drop);
-    let ray = Environment::make(&target()?.join("python-ray")).and_then(|environment| {
-        environment.half("ray", RAY.join("\n"), || environment.install(RAY))
-    });
-    Ok(PythonEnv {
-        dir: environment.dir,
-        bag_tools,
-        python_tools,
-        rclpy,
-        cyclone,
-        rerun,
-        mujoco,
-        ray,
-        colcon,
-    })
+    let shared = Environment::make(&target()?.join(Distribution::Kilted.folder()))?;
+    let within = |stamp: &str, wheels: &[&str]| {
+        shared.half(stamp, wheels.join("\n"), || shared.install(wheels))
+    };
+    let apart = |folder: &str, stamp: &str, wheels: &[&str]| {
+        let own = Environment::make(&target()?.join(folder))?;
+        own.half(stamp, wheels.join("\n"), || own.install(wheels))
+    };
+    let make = |need| match need {
+        Need::BagTools => within("bag_tools", BAG_TOOLS),
+        Need::PythonTools => within("python_tools", PYTHON_TOOLS),
+        Need::Rclpy => shared.rclpy(Distribution::Kilted),
+        Need::Cyclone => apart("python-cyclone", "cyclone", CYCLONE),
+        Need::Rerun => apart("python-rerun", "rerun", RERUN),
+        Need::Mujoco => mujoco().map(drop),
+        Need::RayCluster => apart("python-ray", "ray", RAY),
+        Need::Colcon => within("colcon", COLCON),
+        other => bail!("`{other}` is no part of a Python environment"),
+    };
+    let parts = PARTS.iter().map(|&(need, _)| make(need)).collect();
+    Ok(PythonEnv { dir: shared.dir, parts })
 }
 
 /// Makes an environment with the rclpy of a distribution, or finds it made.
@@ -203,26 +214,12 @@ impl PythonEnvCommand {
         }
         let environment = prepare()?;
         println!("Python environment: {}", environment.dir.display());
-        for (half, what) in [
-            (
-                environment.bag_tools,
-                "readers of bags (rosbags, mcap-ros2-support), pandas, matplotlib, pytest",
-            ),
-            (environment.python_tools, "mypy, notebooks (nbclient, ipykernel), maturin"),
-            (environment.rclpy, "rclpy with friction_msgs"),
-            (environment.cyclone, "Cyclone DDS (cyclonedds)"),
-            (environment.rerun, "a viewer of bags (rerun-sdk)"),
-            (environment.mujoco, "MuJoCo, the newest and an older one"),
-            (environment.ray, "Ray, and a server of an object store"),
-            (environment.colcon, "colcon"),
-        ] {
-            match half {
+        for ((_, what), part) in PARTS.iter().zip(&environment.parts) {
+            match part {
                 Ok(()) => println!("  ready: {what}"),
-                Err(error) => {
-                    println!(
-                        "  missing: {what}; tests that need it are ignored\n    because: {error:#}"
-                    )
-                }
+                Err(error) => println!(
+                    "  missing: {what}; tests that need it are ignored\n    because: {error:#}"
+                ),
             }
         }
         told_to_the_tests(&environment.dir)
@@ -433,4 +430,19 @@ fn contents(package: &Path) -> anyhow::Result<String> {
         text.push_str(&format!("{name}\n{content}\n"));
     }
     Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The tests are built for what will be there. A part that was made and not listed had all of
+    /// them built twice on every new machine.
+    #[test]
+    fn every_need_that_python_env_mends_is_one_of_its_parts() {
+        let mended = machine::all().filter(|need| need.reason().contains("python-env` makes it"));
+        for need in mended {
+            assert!(PARTS.iter().any(|(part, _)| *part == need), "{need} is not listed");
+        }
+    }
 }

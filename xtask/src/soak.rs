@@ -47,8 +47,8 @@ impl Soak {
             .context("xtask stands in the workspace")?;
         let target = env::var_os("CARGO_TARGET_DIR")
             .map_or_else(|| root.join("target"), |dir| root.join(dir));
-        let python = python_env::prepare()?;
-        python.rclpy.context("the soak needs the real rclpy")?;
+        let python =
+            python_env::prepare()?.with_rclpy().context("the soak needs the real rclpy")?;
         let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         let packages = ["rig_driver", "friction_observer", "controller", "frictionlab"];
         let built = Command::new(cargo)
@@ -67,7 +67,7 @@ impl Soak {
             println!("soak, {mode}: {} minutes ...", self.minutes);
             let output = Command::new("unshare")
                 .args(["-r", "-n", "bash", "-c", LOOPBACK_ONLY, "--"])
-                .arg(python.dir.join("bin/python"))
+                .arg(python.join("bin/python"))
                 .arg(root.join("tests/python/soak_session.py"))
                 .arg(&programs)
                 .args([&format!("{}", 60.0 * self.minutes), mode])

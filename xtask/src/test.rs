@@ -59,15 +59,7 @@ impl Test {
         let built = target.join("debug/deps").is_dir();
         room::said(&target, built).iter().for_each(|line| println!("{line}"));
         let mut expected = machine::look(&target);
-        expected.extend([
-            Need::Rclpy,
-            Need::BagTools,
-            Need::PythonTools,
-            Need::Colcon,
-            Need::Cyclone,
-            Need::Mujoco,
-            Need::RayCluster,
-        ]);
+        expected.extend(python_env::PARTS.map(|(need, _)| need));
         expected.extend(self.full.then_some(Need::Jazzy));
         machine::write_down(&target, &expected)?;
         let examples = RUN_EXAMPLES.map(|name| ["--example", name]).concat();
@@ -81,8 +73,11 @@ impl Test {
         let found = machine::look(&target);
         machine::write_down(&target, &found)?;
         if found != expected {
+            let other: Vec<String> =
+                found.symmetric_difference(&expected).map(ToString::to_string).collect();
             println!(
-                "The tests are built again: this machine lacks something they were built for."
+                "The tests are built again: they were built for another machine ({} differs).",
+                other.join(", ")
             );
             build()?;
         }
@@ -238,20 +233,7 @@ fn prepare_python(full: bool) {
     println!("Python environment for the tests (first time: about two minutes) ...");
     match python_env::prepare() {
         Ok(environment) => {
-            let halves = [
-                (environment.bag_tools, "rosbags"),
-                (environment.python_tools, "mypy, nbclient and maturin"),
-                (environment.rclpy, "rclpy"),
-                (environment.cyclone, "Cyclone DDS"),
-                (environment.mujoco, "MuJoCo"),
-                (environment.ray, "Ray"),
-                (environment.colcon, "colcon"),
-            ];
-            for (half, what) in halves {
-                if let Err(error) = half {
-                    println!("no {what}: {error:#}");
-                }
-            }
+            environment.missing().for_each(|(what, error)| println!("no {what}: {error:#}"));
         }
         Err(error) => println!("no Python environment: {error:#}"),
     }

@@ -226,10 +226,15 @@ pub fn file(target: &Path) -> PathBuf {
     target.join("machine.txt")
 }
 
+/// All that can be needed.
+pub fn all() -> impl Iterator<Item = Need> {
+    Need::VARIANTS.iter().copied()
+}
+
 /// Looks for everything.
 #[must_use]
 pub fn look(target: &Path) -> BTreeSet<Need> {
-    Need::VARIANTS.iter().copied().filter(|need| need.is_met(target)).collect()
+    all().filter(|need| need.is_met(target)).collect()
 }
 
 /// Writes down what was found, but for what the environment decides. The file is touched only where
@@ -258,6 +263,6 @@ pub fn written_down(target: &Path) -> io::Result<BTreeSet<Need>> {
         return Ok(found);
     };
     let lasting = text.lines().filter_map(|name| name.parse::<Need>().ok());
-    let of_environment = Need::VARIANTS.iter().copied().filter(|need| need.is_of_the_environment());
+    let of_environment = all().filter(|need| need.is_of_the_environment());
     Ok(lasting.chain(of_environment.filter(|need| need.is_met(target))).collect())
 }

@@ -47,8 +47,8 @@ impl BenchRos {
         let root = Path::new(env!("CARGO_MANIFEST_DIR"))
             .parent()
             .context("xtask stands in the workspace")?;
-        let python = python_env::prepare()?;
-        python.rclpy.context("the bench needs the real rclpy")?;
+        let python =
+            python_env::prepare()?.with_rclpy().context("the bench needs the real rclpy")?;
         let program = match &self.program {
             Some(program) => std::path::absolute(program).context("the program's path")?,
             None => crate::bench_live::build()?,
@@ -61,7 +61,7 @@ impl BenchRos {
         let output = Command::new("unshare")
             .args(flags)
             .args(["bash", "-c", LOOPBACK_ONLY, "--"])
-            .arg(python.dir.join("bin/python"))
+            .arg(python.join("bin/python"))
             .arg(root.join("tests/python/bench_session.py"))
             .arg(&program)
             .args([self.seconds, self.minutes].map(|number| number.to_string()))
