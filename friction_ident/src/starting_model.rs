@@ -55,15 +55,7 @@ pub fn scaled_to(
     let force = f_c / before;
     let old_reach = breakaway_reach(model).unwrap_or(1.0);
     let length = reach.map_or(1.0, |reach| reach / old_reach);
-    for name in ["sigma0", "k"] {
-        parameters.scale(name, force / length);
-    }
-    for name in ["sigma", "sigma1"] {
-        parameters.scale(name, force / length.sqrt());
-    }
-    for name in ["z_b", "z_ba", "c"] {
-        parameters.scale(name, length);
-    }
+    scale(&mut parameters, force, length);
     // Leuven's bristles must carry the static friction.
     if let (Some(f_h), Some(before)) = (model.parameter("f_h"), model.parameter("f_s")) {
         parameters.set("f_h", f_h / before * f_s * (1.0 + 1e-12));
@@ -76,6 +68,26 @@ pub fn scaled_to(
         }
     }
     parameters.try_into()
+}
+
+/// The parameters of a model whose contact bends `length` times as far at the same friction.
+pub fn bent_by(model: &AnyModel, length: f64) -> AnyParameters {
+    let mut parameters = model.parameters();
+    scale(&mut parameters, 1.0, length);
+    parameters
+}
+
+/// What belongs to bending, for a level `force` times and a reach `length` times as large.
+fn scale(parameters: &mut AnyParameters, force: f64, length: f64) {
+    for name in ["sigma0", "k"] {
+        parameters.scale(name, force / length);
+    }
+    for name in ["sigma", "sigma1"] {
+        parameters.scale(name, force / length.sqrt());
+    }
+    for name in ["z_b", "z_ba", "c"] {
+        parameters.scale(name, length);
+    }
 }
 
 /// How far the contact bends before it slides as a whole, roughly [m or rad]: `z_b`, the level over

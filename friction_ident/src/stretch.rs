@@ -16,8 +16,6 @@ pub struct Stretch {
     pub velocity: Vec<f64>,
     /// Position \[m or rad\] at each sample, where it was measured.
     pub position: Option<Vec<f64>>,
-    /// What tells how far it is from one sample to the next.
-    pub way_by: WayBy,
     /// Friction \[N or N m\] at each sample; positive opposes positive velocity.
     pub friction: Vec<f64>,
     /// Standard deviation of one sample of the friction, where it is known; only ratios between
@@ -25,18 +23,6 @@ pub struct Stretch {
     pub deviation: Option<f64>,
     /// What the contact did before the first sample.
     pub before: Before,
-}
-
-/// What tells the way between samples, where a position was measured.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum WayBy {
-    /// The position.
-    #[default]
-    Position,
-    /// The velocity, beside a position in counts: those tell the place, and no motion within a
-    /// count.
-    Velocity,
 }
 
 /// What a contact did before a recording began.
@@ -94,7 +80,6 @@ impl Stretch {
             time_step,
             velocity,
             position,
-            way_by: WayBy::default(),
             friction,
             deviation: None,
             before: Before::Rested,
@@ -161,14 +146,9 @@ impl Stretch {
         self.friction.is_empty()
     }
 
-    /// The position, where it tells the way between samples.
-    fn way(&self) -> Option<&Vec<f64>> {
-        self.position.as_ref().filter(|_| self.way_by == WayBy::Position)
-    }
-
     /// Mean velocity from sample `k` to the next: the position's difference where that tells it.
     pub(crate) fn between(&self, k: usize) -> f64 {
-        match self.way() {
+        match &self.position {
             Some(position) => (position[k + 1] - position[k]) / self.time_step,
             None => 0.5 * (self.velocity[k] + self.velocity[k + 1]),
         }
@@ -233,7 +213,7 @@ impl Stretch {
 
     /// The position, integrated from the velocity where it does not tell the way between samples.
     pub fn travel(&self) -> Vec<f64> {
-        if let Some(position) = self.way() {
+        if let Some(position) = &self.position {
             return position.clone();
         }
         let mut travel = Vec::with_capacity(self.len());

@@ -74,7 +74,6 @@ fn along(truth: &AnyModel, samples: usize, velocity: impl Fn(f64) -> f64) -> Str
         time_step: DT,
         velocity,
         position: None,
-        way_by: Default::default(),
         friction,
         deviation: None,
         before: Default::default(),

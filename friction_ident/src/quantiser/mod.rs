@@ -10,13 +10,16 @@
 //! count the path starts.
 //!
 //! A motion that changes counts often enough is asked for: a leg within one count leaves no trace.
-//! [`step_of`] tells the resolution from the readings.
+//! [`step_of`] tells the resolution from the readings. Beside a measured velocity the counts are
+//! asked for less: [`path_beside_velocity`].
 
 use crate::IdentError;
 
 mod cosine_legs;
+mod taut_string;
 
 use cosine_legs::Turns;
+pub use taut_string::{path_beside_velocity, path_within_scatter};
 
 /// The step of an encoder that can be seen in `position` \[m or rad\]: the greatest length of which
 /// all differences are multiples, where the position stands still for a fifth of the samples at
@@ -28,6 +31,18 @@ use cosine_legs::Turns;
 /// assert_eq!(friction_ident::quantiser::step_of(&[0.0, 0.1, 0.25]), None);
 /// ```
 pub fn step_of(position: &[f64]) -> Option<f64> {
+    let (count, still) = count_and_rest(position)?;
+    (5 * still >= position.len().saturating_sub(1)).then_some(count)
+}
+
+/// The greatest length of which all differences of `position` are multiples \[m or rad\], whether
+/// it ever stands still or not. None where there is no such length.
+pub fn count_of(position: &[f64]) -> Option<f64> {
+    count_and_rest(position).map(|(count, _)| count)
+}
+
+/// The length of a count, and how often the next reading is the same.
+fn count_and_rest(position: &[f64]) -> Option<(f64, usize)> {
     let differences = position.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let largest = position.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
     let rounding = 1e-9 * largest;
@@ -41,9 +56,8 @@ pub fn step_of(position: &[f64]) -> Option<f64> {
     }
     // Positions printed with few digits are multiples to that rounding only.
     let is_multiple = |d: f64| (d / step - (d / step).round()).abs() < 0.05;
-    let stands = 5 * still >= position.len().saturating_sub(1);
-    (step.is_finite() && stands && differences.filter(|&d| d > rounding).all(is_multiple))
-        .then_some(step)
+    let counted = step.is_finite() && differences.filter(|&d| d > rounding).all(is_multiple);
+    counted.then_some((step, still))
 }
 
 /// Edges for each sample, on average, beyond which readings are not those of an encoder but of a

@@ -9,6 +9,7 @@ use friction_model::AnyModel;
 
 use super::decided::Damping;
 use super::stage::{DAMPING, LAG, PRE_SLIDING, STATIC};
+use super::starts::with_some_viscosity;
 use super::work::{Watch, Work};
 use super::{Stage, StageResult};
 use crate::IdentError;
@@ -62,7 +63,8 @@ impl Work<'_> {
                 || LAG.contains(&name)
                 || (damping && DAMPING.contains(&name))
         };
-        let free = FreeParameters::new(model, |row| shown(row.name));
+        let free =
+            FreeParameters::new(&with_some_viscosity(model, measured), |row| shown(row.name));
         self.fit(Stage::Joint, &free, measured, watch)
     }
 

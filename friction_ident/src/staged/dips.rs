@@ -43,19 +43,33 @@ impl Work<'_> {
         measured: &Measured,
         watch: Watch,
     ) -> OutputErrorFit {
-        let sides = Side::of(self.options.asymmetric).len();
-        let many = found.estimates.parameters.len() > MOST_FREE * sides;
-        if self.stopped || many || self.data.has_steady_points() {
+        if self.data.has_steady_points() {
             return found;
         }
         let Some(start) = best_dip(&found, measured) else { return found };
+        self.better_from(&start, found, damping, measured, watch)
+    }
+
+    /// `found`, or what a search finds that begins at `start`, where that is nearer to the recordings.
+    pub(super) fn better_from(
+        &mut self,
+        start: &AnyModel,
+        found: OutputErrorFit,
+        damping: Damping,
+        measured: &Measured,
+        watch: Watch,
+    ) -> OutputErrorFit {
+        let sides = Side::of(self.options.asymmetric).len();
+        if self.stopped || found.estimates.parameters.len() > MOST_FREE * sides {
+            return found;
+        }
         let before = (self.load, self.converged);
         let estimated = match damping {
             Damping::Computed => false,
             Damping::Estimated => true,
             Damping::Either => self.stages.iter().all(|stage| stage.stage != Stage::MicroDamping),
         };
-        let other = self.refine(&start, estimated, measured, watch).ok();
+        let other = self.refine(start, estimated, measured, watch).ok();
         match other.filter(|_| !self.stopped) {
             Some(other) if misfit(&other, measured) < misfit(&found, measured) => other,
             _ => {
@@ -100,12 +114,15 @@ fn best_dip(fit: &OutputErrorFit, measured: &Measured) -> Option<AnyModel> {
     };
     let speeds = measured.stretches.iter().flat_map(|stretch| &stretch.velocity);
     let usual = quantile(&sorted(speeds.map(|v| v.abs())), USUAL).filter(|v| *v > 0.0)?;
+    // One that is narrower than all of them has run away from where such a one would lead to.
+    let narrow = fit.model.parameter("v_s").is_some_and(|v_s| v_s < SPEEDS[0] * usual);
+    let shares = if narrow { &SPEEDS[2..] } else { &SPEEDS[..] };
     let parameters = fit.model.parameters();
     let (forward, backward) = parameters.sides();
     let mut tried = Vec::new();
     for (level, stiffnesses) in levels.into_iter().zip(stiffnesses) {
         for stiffer in stiffnesses {
-            for (speed, depth) in SPEEDS.into_iter().flat_map(|v| DEPTHS.map(|depth| (v, depth))) {
+            for (speed, depth) in shares.iter().flat_map(|&v| DEPTHS.map(|depth| (v, depth))) {
                 let dip = Dip { f_c: level, f_s: depth * level, v_s: speed * usual, stiffer };
                 tried.extend(parameters.with_sides(dip.on(forward), dip.on(backward)));
             }
@@ -113,6 +130,23 @@ fn best_dip(fit: &OutputErrorFit, measured: &Measured) -> Option<AnyModel> {
     }
     let off = |model: &AnyModel| off(&Predictor { model: *model, load: fit.load }, measured);
     tried.into_iter().min_by(|a, b| off(a).total_cmp(&off(b)))
+}
+
+/// The model with the dip of a few that is nearest to the recordings, or as it is.
+pub(super) fn with_the_nearest_dip(model: AnyModel, measured: &Measured) -> AnyModel {
+    let speeds = measured.stretches.iter().flat_map(|stretch| &stretch.velocity);
+    let usual = quantile(&sorted(speeds.map(|v| v.abs())), USUAL).filter(|v| *v > 0.0);
+    let (Some(usual), Some(f_c)) = (usual, model.parameter("f_c")) else { return model };
+    let parameters = model.parameters();
+    let (forward, backward) = parameters.sides();
+    let speeds = || SPEEDS.into_iter().flat_map(|v| DEPTHS.map(|depth| (v, depth)));
+    let dips = LEVELS.into_iter().flat_map(|share| speeds().map(move |of| (share * f_c, of)));
+    let dips = dips.filter_map(|(level, (speed, depth))| {
+        let dip = Dip { f_c: level, f_s: depth * level, v_s: speed * usual, stiffer: None };
+        parameters.with_sides(dip.on(forward), dip.on(backward)).ok()
+    });
+    let off = |model: &AnyModel| off(&(*model).into(), measured);
+    std::iter::once(model).chain(dips).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(model)
 }
 
 /// What is tried.

@@ -3,16 +3,22 @@
 
 use friction_model::{AnyModel, AnyParameters, ModelName};
 
+use super::dips::with_the_nearest_dip;
 use super::stage::PRE_SLIDING;
 use super::work::Work;
 use crate::frictional_lag::{LagOptions, LagRecording, fit_lag};
 use crate::output_error::{Measured, Predictor, prediction_rms};
 use crate::pre_sliding::{PreSlidingModel, PreSlidingPath, fit_pre_sliding};
+use crate::starting_model::{bent_by, breakaway_reach, scaled_to};
+use crate::static_curve::StribeckValues;
 use crate::stretch::Stretch;
 
 /// Coulomb levels that are tried where the static characteristic has none, as shares of the largest
 /// friction.
 const LEVELS: [f64; 5] = [0.03, 0.1, 0.3, 0.6, 0.9];
+
+/// Reaches that are tried where no recording stays within pre-sliding, as shares of the travel.
+const REACHES: [f64; 9] = [1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3];
 
 impl Work<'_> {
     /// The model with a Coulomb level, where the static characteristic has none to speak of. A
@@ -47,6 +53,53 @@ impl Work<'_> {
         let stretches: Vec<Stretch> = stretches().cloned().collect();
         let measured = Measured { stretches: &stretches, ..Measured::default() };
         tried.min_by(|a, b| error(a, &measured).total_cmp(&error(b, &measured))).unwrap_or(model)
+    }
+
+    /// The model with the reach that is nearest to the recordings, of a few over all decades of the
+    /// travel, where no recording stays within pre-sliding and tells it. A model knows the reach of
+    /// the test bed only, and from that of a stage in micrometres or of a soft gearbox no search leads
+    /// to the other. Without steady points the level is tried with it: bins of the speed show that of
+    /// a contact that bends too low. None where nothing is nearer than the model is.
+    pub(super) fn with_a_reach(&self, model: &AnyModel) -> Option<AnyModel> {
+        let data = &self.data;
+        let stretches: Vec<Stretch> =
+            [&data.lag, &data.mixed].into_iter().flatten().cloned().collect();
+        let travel = stretches.iter().map(Stretch::range).fold(0.0, f64::max);
+        let bends = breakaway_reach(model).is_some();
+        if !data.pre_sliding.is_empty() || !bends || travel <= 0.0 {
+            return None;
+        }
+        let forces = stretches.iter().flat_map(|stretch| &stretch.friction);
+        let largest = forces.fold(0.0, |largest: f64, f| largest.max(f.abs()));
+        let measured = Measured { stretches: &stretches, ..Measured::default() };
+        let parameters = model.parameters();
+        let (forward, backward) = parameters.sides();
+        let with = |side: AnyParameters, level: Option<f64>, reach: f64| {
+            let side: AnyModel = side.try_into().ok()?;
+            let side = match level {
+                Some(level) => scaled_to(
+                    &side,
+                    &StribeckValues { f_s: 1.001 * level, f_c: level, ..slope(&side) },
+                    None,
+                )
+                .ok()?,
+                None => side,
+            };
+            let old = breakaway_reach(&side).filter(|old| *old > 0.0)?;
+            Some(bent_by(&side, reach / old))
+        };
+        let levels = LEVELS.map(|share| Some(share * largest));
+        let levels = if data.has_steady_points() { &levels[..0] } else { &levels[..] };
+        let tried =
+            [None].iter().chain(levels).flat_map(|level| REACHES.map(|reach| (*level, reach)));
+        let tried = tried.filter_map(|(level, share)| {
+            let reach = share * travel;
+            let sides = (with(forward, level, reach)?, with(backward, level, reach)?);
+            let tried: AnyModel = parameters.with_sides(sides.0, sides.1).ok()?;
+            Some((error(&tried, &measured), tried))
+        });
+        let (off, best) = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (off < error(model, &measured)).then(|| with_the_nearest_dip(best, &measured))
     }
 
     /// The model with the lengths, stiffnesses and shares of the best hysteresis operator, found by
@@ -125,6 +178,43 @@ impl Work<'_> {
         let nearer = |other: &AnyModel| error(other, &measured) < error(&model, &measured);
         parameters.try_into().ok().filter(nearer).unwrap_or(model)
     }
+}
+
+/// The static values of one direction without viscous friction: in the bins it has taken what the
+/// level lacks there.
+fn slope(side: &AnyModel) -> StribeckValues {
+    let of = |name: &str| side.parameter(name);
+    let (f_c, v_s) = (of("f_c").unwrap_or(1.0), of("v_s").unwrap_or(1.0));
+    StribeckValues { f_s: f_c, f_c, v_s, f_v: 0.0, delta: of("delta").unwrap_or(2.0) }
+}
+
+/// Share of the largest friction that viscous friction has at the fastest motion, at least, where a
+/// search begins. From none at all it would begin with a bound of one newton second per metre, which
+/// is nothing to a stage that has thirty of them.
+const SOME: f64 = 1e-3;
+
+/// The model with some viscous friction to begin with, in the units of these recordings.
+pub(super) fn with_some_viscosity(model: &AnyModel, measured: &Measured) -> AnyModel {
+    let stretches = measured.stretches.iter();
+    let forces = stretches.clone().flat_map(|stretch| &stretch.friction);
+    let forces = forces.copied().chain(measured.points.iter().map(|point| point.torque));
+    let speeds = stretches.flat_map(|stretch| &stretch.velocity);
+    let speeds = speeds.copied().chain(measured.points.iter().map(|point| point.velocity));
+    let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
+    let (force, fastest) = (largest(&mut { forces }), largest(&mut { speeds }));
+    let least = SOME * force / fastest;
+    if !(fastest > 0.0 && least.is_finite()) {
+        return *model;
+    }
+    let with = |mut side: AnyParameters| {
+        if side.values("f_v").first().is_some_and(|f_v| *f_v < least) {
+            side.set("f_v", least);
+        }
+        side
+    };
+    let parameters = model.parameters();
+    let (forward, backward) = parameters.sides();
+    parameters.with_sides(with(forward), with(backward)).unwrap_or(*model)
 }
 
 fn error(model: &AnyModel, measured: &Measured) -> f64 {

@@ -11,6 +11,7 @@ use super::last_word::{last_word, take_over};
 use super::load_choice::first_values;
 use super::prediction::residuals_that_count;
 use super::stage::{DAMPING, LAG, PRE_SLIDING, STATIC};
+use super::starts::with_some_viscosity;
 use super::{FrictionData, Identified, Stage, StageResult, StagedOptions};
 use crate::IdentError;
 use crate::axis_term::AxisTerm;
@@ -99,12 +100,13 @@ impl<'a> Work<'a> {
             let fit = self.curve(&points, steady)?;
             (start(&fit)?, vec![(Side::Both, fit)])
         };
-        let free = FreeParameters::new(&start, |row| STATIC.contains(&row.name));
         let measured = Measured {
             points: &points,
             beside: self.beside_points(&points),
             ..Measured::default()
         };
+        let start = with_some_viscosity(&start, &measured);
+        let free = FreeParameters::new(&start, |row| STATIC.contains(&row.name));
         let mut fit = self.fit(Stage::Static, &free, &measured, watch)?;
         for (side, curve) in fits {
             take_over(&mut fit.estimates, side, &curve);
@@ -192,6 +194,10 @@ impl<'a> Work<'a> {
             Damping::Either => self.refine_either(&model, &measured, watch)?,
         };
         let fit = self.with_a_dip(fit, damping, &measured, watch);
+        let fit = match self.with_a_reach(by_stages) {
+            Some(start) => self.better_from(&start, fit, damping, &measured, watch),
+            None => fit,
+        };
         Ok(self.keep(Stage::Joint, measured.len(), fit))
     }
 

@@ -1,7 +1,9 @@
 //! From what was read of a stretch to motion and friction.
 
-use friction_ident::quantiser::{Turn, between_counts, step_of};
-use friction_ident::stretch::{Before, WayBy};
+use friction_ident::quantiser::{
+    Turn, between_counts, count_of, path_beside_velocity, path_within_scatter, step_of,
+};
+use friction_ident::stretch::Before;
 use friction_ident::zero_phase::{LowPass, decimate};
 use friction_ident::{
     ChannelDeviations, ConstantError, DriveSignals, IdentError, SavitzkyGolay, Stretch,
@@ -34,13 +36,17 @@ pub(super) fn prepare(
     let velocity = velocity.map(|values| clean("velocity", &values)).transpose()?;
     let position = samples.position.as_ref().map(|values| even.channel(values, samples.step));
     let position = position.map(|values| clean("position", &values)).transpose()?;
-    // An encoder's steps are no motion: alone its path between the counts is used. Beside a measured
-    // velocity it tells the place, on which a weight or a spring depends, and no more.
-    let step = position.as_deref().and_then(step_of);
-    let counted_beside = step.is_some() && velocity.is_some();
-    let position = match (position, step, &velocity) {
-        (Some(position), Some(step), None) => Some(between_steps(position, step)?),
-        (position, ..) => position,
+    // Neither an encoder's steps nor a sensor's noise are motion: a path between the readings is used.
+    let position = match (position, &velocity) {
+        (Some(position), Some(velocity)) => {
+            let count = count_of(&position).unwrap_or(0.0);
+            Some(path_beside_velocity(&position, count, velocity, dt))
+        }
+        (Some(position), None) => Some(match step_of(&position) {
+            Some(step) => between_steps(position, step)?,
+            None => path_within_scatter(&position),
+        }),
+        (None, _) => None,
     };
 
     let filter = SavitzkyGolay::new(3, frame(dt, even.len()))?;
@@ -80,9 +86,6 @@ pub(super) fn prepare(
         position.map(thin).transpose()?,
         thin(friction.torque)?,
     )?;
-    if counted_beside {
-        stretch.way_by = WayBy::Velocity;
-    }
     // Experiment 2 begins at a fortieth of its fastest velocity, and has slid before.
     let fastest = stretch.velocity.iter().fold(0.0f64, |fastest, v| fastest.max(v.abs()));
     if stretch.velocity.first().is_some_and(|v| v.abs() < 0.01 * fastest) {

@@ -1,6 +1,6 @@
 use std::fmt::Write;
 
-use friction_ident::stretch::{Before, WayBy};
+use friction_ident::stretch::Before;
 use friction_ident::{AxisTerm, FrictionData, StretchKind, choose_position_load};
 use msgs::sensor_msgs::JointState;
 use msgs::std_msgs::Header;
@@ -134,7 +134,6 @@ fn counts_beside_a_velocity_tell_the_place() {
     let off =
         |k: usize| stretch.place(k).unwrap().position - 1.2 * (1.0 - (0.5e-3 * k as f64).cos());
     assert!((50..25_950).all(|k| off(k).abs() < 2.0 * step));
-    assert_eq!(stretch.way_by, WayBy::Velocity);
     let data = FrictionData::sort(found.points, found.stretches, None);
     let load = choose_position_load(&data, true, false).chosen;
     assert!(load.terms().contains(&AxisTerm::GravitySin), "{load:?}");
