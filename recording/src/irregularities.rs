@@ -205,6 +205,12 @@ impl Irregularities {
         (!said.is_empty()).then(|| format!("{}.", said.join(". ")))
     }
 
+    /// What puts every number in doubt that comes from the recording, in sentences.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<String> {
+        self.remarks.doubts().into_iter().map(|said| format!("{said}.")).collect()
+    }
+
     /// Stretches that the cuts made, used or not.
     const fn split_into(&self) -> usize {
         self.stretches + self.too_short + self.other_rate

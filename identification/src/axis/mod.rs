@@ -199,6 +199,10 @@ pub fn identify(
     let symmetric = symmetric.map_err(blame)?;
     let too_fast = TooFast::of(recording, &settings.conditioning);
     let mut warnings: Vec<String> = too_fast.iter().map(TooFast::to_string).collect();
+    for recording in std::iter::once(recording).chain(other) {
+        let said = recording.irregularities.doubts().into_iter();
+        warnings.extend(said.map(|said| format!("{}: {said}", recording.path.display())));
+    }
     for (warning, said) in held::said(recording, &settings.conditioning) {
         if warning { warnings.push(said) } else { notes.push(said) }
     }

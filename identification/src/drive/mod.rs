@@ -64,7 +64,8 @@ pub fn identify(
         let how = Conditioning::for_time_step(recording.time_step);
         let mut fit = fit_drive(&drive, &how, calibration.as_ref(), units(axis))
             .map_err(|error| (recording.path.clone(), error))?;
-        let uneven = recording.irregularities.describe();
+        let irregular = &recording.irregularities;
+        let uneven = irregular.doubts().into_iter().chain(irregular.describe());
         fit.notes.extend(uneven.map(|said| format!("{}: {said}", recording.path.display())));
         if recording.one_cycle_in > 1 {
             fit.notes.push(format!(

@@ -14,7 +14,8 @@
 //!                         of the force in blocks kept back
 //! ranking                 by ("held_out" or "bic"), chosen (null where no fit can be trusted), and in order: model, free_parameters, cannot_be_chosen (why, or null), tie,
 //!                         standing ("alike", "worse", "undecided"), difference_of_mean_square and ln_ratio_of_mean_square (mean,
-//!                         standard_error), each to the first and paired over blocks
+//!                         standard_error), each to the first and paired over blocks; at_rest_too: of the models that predict at rest too, model and
+//!                         rms over all samples, best first; null where that decided nothing
 //! models                  name ->
 //!   parameters            name -> value, unit, standard_error, interval_95 ([low, high]; null is open), identified, explanation,
 //!                         from_drive (standard_error, and by_constant how far one standard error of each moves it); null with a sensor.
@@ -97,6 +98,9 @@ pub fn render(found: &FrictionIdentification) -> String {
             "by": found.criterion,
             "chosen": found.chosen().map(|result| result.found.name),
             "order": ranking,
+            "at_rest_too": found.at_rest_too.as_ref().map(|told| told.errors.iter().map(
+                |(name, rms)| json!({ "model": name, "rms": rms })
+            ).collect::<Vec<_>>()),
         },
         "models": models,
         "warnings": found.warnings,

@@ -3,9 +3,11 @@
 //!
 //! [`run`] works out everything; [`document`] is the JSON, [`page`] and [`pictures`] the HTML,
 //! [`parameters`] the ROS parameter file, [`terminal`] the text; [`band`] the uncertainty of a fitted curve, [`from_drive`] what the
-//! drive's constants add to it, [`wording`] what all of them say alike.
+//! drive's constants add to it, [`at_rest_too`] what decides where samples at rest count, [`wording`] what all of them say alike.
 
+pub mod at_rest_too;
 pub mod band;
+mod constant;
 pub mod document;
 pub mod from_drive;
 pub mod page;
@@ -166,6 +168,8 @@ pub struct FrictionIdentification {
     pub models: Vec<ModelResult>,
     /// Place of the model to use among them; none where none can be chosen.
     pub chosen: Option<usize>,
+    /// What decided between models that predict at rest too, where others do not.
+    pub at_rest_too: Option<at_rest_too::AtRestToo>,
     /// By what they stand in order.
     pub criterion: Criterion,
     /// What is estimated beside friction, and what else was tried.

@@ -19,7 +19,8 @@ const BLOCKS: usize = 20;
 /// A difference of BIC that is worth mentioning (Kass and Raftery 1995).
 const BIC_NOTICEABLE: f64 = 2.0;
 
-type Model = (Identified, Option<FromDrive>);
+/// A model as it was found, and what of it moves with the drive's constants.
+pub(super) type Model = (Identified, Option<FromDrive>);
 
 /// What of recordings counts in the comparison of some models: the points and samples that all of
 /// them predict.

@@ -14,7 +14,8 @@ use friction_model::ModelName;
 use super::from_drive::{FromDrive, by_name};
 use super::ranking::{on_common_ground, ranked};
 use super::{
-    Criterion, FrictionError, FrictionIdentification, Settings, Source, rivals, trust, wording,
+    Criterion, FrictionError, FrictionIdentification, Settings, Source, at_rest_too, constant,
+    rivals, trust, wording,
 };
 use recording::AxisKind;
 use recording::stretches::FrictionRecording;
@@ -37,31 +38,33 @@ pub fn identify(
     let (data, mut notes) = sorted(files, reach);
     only_pre_sliding(&data, files, reach, settings)?;
     let rotary = settings.axis == AxisKind::Rotary;
-    let beside = choose_position_load(&data, rotary, settings.staged.asymmetric);
-    let staged = StagedOptions { beside: beside.chosen, ..settings.staged };
-    let settings = &Settings { staged, ..settings.clone() };
+    let mut beside = choose_position_load(&data, rotary, settings.staged.asymmetric);
+    let with = |shape| {
+        let staged = StagedOptions { beside: shape, ..settings.staged };
+        Settings { staged, ..settings.clone() }
+    };
+    let mut settings = with(beside.chosen);
     let reach_there = reach.or_else(|| bends(validation));
     let held_out = (!validation.is_empty()).then(|| sorted(validation, reach_there).0);
 
-    let moved = moved(files, reach, settings);
+    let moved = moved(files, reach, &settings);
 
-    let mut models: Vec<(Identified, Option<FromDrive>)> = Vec::new();
-    let mut refused: Vec<(ModelName, IdentError)> = Vec::new();
-    let work = |name: &ModelName| {
-        let found = one_model(*name, (&data, &moved), settings, progress, cancel);
-        progress.advance(1.0);
-        Ok::<_, std::convert::Infallible>(found)
-    };
-    let Ok(completion) =
-        run_in_order(&settings.models, settings.workers, cancel, work, |name, found| {
-            match found {
-                Ok(found) => models.push(found),
-                Err(error) => refused.push((*name, error)),
-            }
-            Ok(())
-        });
-    let interrupted = cancel.load(Ordering::Relaxed)
-        && (completion != Completion::All || models.iter().any(|(model, _)| model.stopped));
+    let mut fits = Fits::of((&data, &moved), &settings, progress, cancel);
+    let asymmetric = settings.staged.asymmetric;
+    let mut left_over = false;
+    if let Some(shape) = constant::left_over(&fits.models, &data, beside.chosen, asymmetric)
+        && !fits.interrupted(cancel)
+    {
+        let more = with(shape);
+        let again = Fits::of((&data, &moved), &more, progress, cancel);
+        if !again.interrupted(cancel) && constant::worth_it(&again.models, &fits.models, &data) {
+            (fits, settings, beside.chosen) = (again, more, shape);
+            left_over = true;
+        }
+    }
+    let settings = &settings;
+    let interrupted = fits.interrupted(cancel);
+    let Fits { mut models, refused, completion } = fits;
     if models.is_empty() {
         return Err(nothing_found(refused, files));
     }
@@ -76,11 +79,17 @@ pub fn identify(
     on_common_ground(&mut models, &data);
     let criterion = if held_out.is_some() { Criterion::HeldOut } else { Criterion::Bic };
     let (mut models, chosen) = ranked(models, &data, held_out.as_ref(), criterion);
+    let recordings = (&data, held_out.as_ref());
+    let again = chosen.and_then(|place| at_rest_too::decide(&models, place, recordings, criterion));
+    let (chosen, at_rest_too) = match again {
+        Some((place, told)) => (Some(place), Some(told)),
+        None => (chosen, None),
+    };
     let whole: Vec<_> = models.iter_mut().map(|model| trust::distrust(model, &data)).collect();
     if let Some(chosen) = chosen {
         rivals::heed(&mut models, chosen);
     }
-    let mut warnings = Vec::new();
+    let mut warnings = wording::in_doubt(files.iter().chain(validation));
     match chosen.and_then(|place| models.get(place).zip(whole.get(place))) {
         Some((chosen, whole)) => {
             warnings.extend(trust::doubts(chosen, whole, &data, settings.axis));
@@ -97,7 +106,8 @@ pub fn identify(
                 .to_owned(),
         );
     }
-    notes.extend(wording::beside(&beside));
+    let said = || wording::beside(&beside);
+    notes.extend(if left_over { Some(wording::CONSTANT_LEFT.to_owned()) } else { said() });
     notes.extend(settings.staged.asymmetric.then(|| wording::TWO_DIRECTIONS.to_owned()));
     notes.extend(wording::source_notes(files.iter().chain(validation), settings));
     notes.extend(held_out.as_ref().and_then(|held_out| wording::unseen_kinds(&data, held_out)));
@@ -109,12 +119,51 @@ pub fn identify(
         held_out,
         models,
         chosen,
+        at_rest_too,
         criterion,
         warnings,
         notes,
         beside,
         interrupted,
     })
+}
+
+/// Every model that was asked for, as far as it came.
+struct Fits {
+    models: Vec<(Identified, Option<FromDrive>)>,
+    refused: Vec<(ModelName, IdentError)>,
+    completion: Completion,
+}
+
+impl Fits {
+    fn of(
+        (data, moved): (&FrictionData, &[(DriveConstant, FrictionData)]),
+        settings: &Settings,
+        progress: &Progress,
+        cancel: &AtomicBool,
+    ) -> Self {
+        let (mut models, mut refused) = (Vec::new(), Vec::new());
+        let work = |name: &ModelName| {
+            let found = one_model(*name, (data, moved), settings, progress, cancel);
+            progress.advance(1.0);
+            Ok::<_, std::convert::Infallible>(found)
+        };
+        let Ok(completion) =
+            run_in_order(&settings.models, settings.workers, cancel, work, |name, found| {
+                match found {
+                    Ok(found) => models.push(found),
+                    Err(error) => refused.push((*name, error)),
+                }
+                Ok(())
+            });
+        Self { models, refused, completion }
+    }
+
+    fn interrupted(&self, cancel: &AtomicBool) -> bool {
+        let cut = self.completion != Completion::All
+            || self.models.iter().any(|(model, _)| model.stopped);
+        cancel.load(Ordering::Relaxed) && cut
+    }
 }
 
 /// Identifies one model, and what of it moves with the drive's constants.

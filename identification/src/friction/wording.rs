@@ -183,6 +183,16 @@ pub(super) const NONE_CHOSEN: &str = "No model can be chosen: no fit converged w
 /// Which model is chosen, where it is not the first.
 pub(super) fn simpler(found: &FrictionIdentification) -> Option<String> {
     let (first, chosen) = (found.models.first()?, found.chosen()?);
+    if let Some(told) = &found.at_rest_too {
+        let unit = found.settings.axis.force_unit();
+        let left = told.errors.iter().map(|(name, e)| format!("{name} {} {unit}", significant(*e)));
+        return Some(format!(
+            "Chosen: {}. A static model predicts a range at rest, so that the table leaves those samples out. Over all samples the models that predict there \
+             too leave: {}. That decides between them.",
+            chosen.found.name,
+            left.collect::<Vec<_>>().join(", ")
+        ));
+    }
     (chosen.found.name != first.found.name).then(|| {
         format!(
             "Chosen: {}, which has the fewest free parameters of those {}.",
@@ -240,6 +250,19 @@ pub(super) fn source_notes<'a>(
         }
     }
     notes
+}
+
+/// Where a constant force was found by what the models had left.
+pub(super) const CONSTANT_LEFT: &str = "The models had left a constant force over, so an offset is estimated beside them. It is part of what drives the axis, not of friction; \
+    parameters.yaml holds friction alone.";
+
+/// What in the recordings puts every number in doubt.
+pub(super) fn in_doubt<'a>(files: impl Iterator<Item = &'a FrictionRecording>) -> Vec<String> {
+    let of = |file: &FrictionRecording| {
+        let path = file.path.display().to_string();
+        file.irregularities.doubts().into_iter().map(move |said| format!("{path}: {said}"))
+    };
+    files.flat_map(of).collect()
 }
 
 #[cfg(test)]

@@ -293,7 +293,8 @@ fn table<'a>(
         let dated = channel == Channel::Time && sheet.has_dates();
         channels.push(Seen { dated, ..seen(channel, source.name, written, source.scale, values) });
     }
-    problems.extend(remarks.sentences().into_iter().map(|said| format!("{said}.")));
+    let said = remarks.doubts().into_iter().chain(remarks.sentences());
+    problems.extend(said.map(|said| format!("{said}.")));
     Ok(Overview {
         path: path.into(),
         dialect: Some(sheet.dialect),
@@ -379,7 +380,8 @@ fn bag(path: &Path, choice: &JointChoice) -> Result<Overview, RecordingError> {
     let of = |channel| overview.channel(channel).map(|seen| &seen.values[..]);
     let channels = [Channel::Position, Channel::Velocity, Channel::Force].map(of);
     let remarks = rosbag::told(remarks, &since, channels);
-    overview.problems.extend(remarks.sentences().into_iter().map(|said| format!("{said}.")));
+    let said = remarks.doubts().into_iter().chain(remarks.sentences());
+    overview.problems.extend(said.map(|said| format!("{said}.")));
     Ok(overview.with_motion())
 }
 

@@ -89,8 +89,7 @@ impl Marks {
     fn sentences(self) -> impl Iterator<Item = String> {
         let taken = self.taken.map(Taken::describe);
         let scaled = self.scaled.map(Scaled::describe);
-        let cut = self.cut.map(Cut::describe);
-        taken.into_iter().chain(scaled).chain(cut).chain(self.spikes.map(Spikes::describe))
+        taken.into_iter().chain(scaled).chain(self.spikes.map(Spikes::describe))
     }
 }
 
@@ -114,14 +113,25 @@ impl Remarks {
         }
     }
 
-    /// In sentences, without their full stops.
+    /// What puts every number in doubt that comes from the recording, in sentences without their
+    /// full stops.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<String> {
+        let contradiction = self.contradiction.map(Contradiction::describe);
+        let cuts = self.marks().into_iter().filter_map(|marks| marks.cut).map(Cut::describe);
+        contradiction.into_iter().chain(cuts).collect()
+    }
+
+    /// All else, in sentences without their full stops.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let wrapped = self.wrapped.map(Wrapped::describe);
-        let contradiction = self.contradiction.map(Contradiction::describe);
-        let marks = [self.time, self.position, self.velocity, self.force];
-        let marks = marks.into_iter().flat_map(Marks::sentences);
-        wrapped.into_iter().chain(contradiction).chain(marks).collect()
+        let marks = self.marks().into_iter().flat_map(Marks::sentences);
+        wrapped.into_iter().chain(marks).collect()
+    }
+
+    const fn marks(&self) -> [Marks; 4] {
+        [self.time, self.position, self.velocity, self.force]
     }
 }
 

@@ -324,6 +324,38 @@ fn friction_that_changes_is_told_once() {
     }
 }
 
+/// A position in degrees that says it is in rad, beside a right velocity: the inertia was a
+/// fiftieth of the truth, to a percent, and what told so was the last of the notes.
+#[test]
+fn columns_that_contradict_each_other_are_told_before_any_number() {
+    let desk = Desk::new();
+    let mut text = "t_s,position_rad,velocity_rad_s,torque_Nm\n".to_owned();
+    let mut before = None;
+    for (t, x, torque) in motion(4000) {
+        let v = before.map_or(0.0, |before: f64| (x - before) / 0.002);
+        before = Some(x);
+        writeln!(text, "{t:.6},{:.9},{v:.9},{torque:.9}", x.to_degrees()).unwrap();
+    }
+    desk.file("degrees.csv", &text);
+    let warned = "WARNING: degrees.csv: `velocity_rad_s` is 0.01745 times the velocity";
+    for (out, options) in [
+        ("axis", &[][..]),
+        ("structure", &["--structure", "symmetric,asymmetric"]),
+        (
+            "model",
+            &["--model", "coulomb_viscous", "--torque-source", "driving", "--inertia", "0.02:1e-4"],
+        ),
+    ] {
+        let printed = desk.ok(&[&["degrees.csv", "--out", out][..], options].concat());
+        let place = printed.find(warned).unwrap_or_else(|| panic!("{out}: {printed}"));
+        let number =
+            ["inertia a", "inertia  ", "model  "].iter().filter_map(|part| printed.find(part));
+        assert!(number.min().is_none_or(|number| place < number), "{out}: {printed}");
+        let warnings = desk.json(out)["warnings"].to_string();
+        assert!(warnings.contains("(as degrees are to rad)"), "{out}: {warnings}");
+    }
+}
+
 /// In the recording to fit, the axis has play of its own kind around half of its reversals; on the
 /// other it has none. The simplest structure predicts the other best, and is chosen.
 #[test]
