@@ -226,15 +226,17 @@ fn the_device_keeps_to_the_host_that_is_alive_and_is_had_again_when_that_is_gone
     stranger.say(&HostMessage::Hello { number: guessed(77) });
     bench.pass(3);
     // Its session holds the device for the host timeout; then the driver gets it.
-    let error = SerialRig::open(bench.path(), SerialOptions { answer: 0.1, ..patient() });
-    if let Err(error) = error {
+    let early = SerialRig::open(bench.path(), SerialOptions { answer: 0.1, ..patient() });
+    // A machine that is busy may come to it after the host timeout: then the device is its own.
+    let sessions = if early.is_err() { 2 } else { 3 };
+    if let Err(error) = early {
         assert!(matches!(error, SerialError::Held { .. }), "{error}");
         assert!(error.to_string().contains("has another host"), "{error}");
     }
     let mut rig = bench.open();
     rig.activate().unwrap();
     cycle(&mut rig, 1.0).unwrap();
-    assert_eq!(count(&bench.status(), "sessions"), 2);
+    assert_eq!(count(&bench.status(), "sessions"), sessions);
     drop(rig);
     // Closed, it is free at once.
     let again = SerialRig::open(bench.path(), patient()).expect("nobody has it");

@@ -9,7 +9,7 @@ use friction_model::AnyModel;
 
 use super::decided::Damping;
 use super::stage::{DAMPING, LAG, PRE_SLIDING, STATIC};
-use super::starts::with_some_viscosity;
+use super::viscosity::with_some_viscosity;
 use super::work::{Watch, Work};
 use super::{Stage, StageResult};
 use crate::IdentError;

@@ -20,6 +20,7 @@ mod options;
 mod prediction;
 mod stage;
 mod starts;
+mod viscosity;
 mod work;
 
 use std::ops::ControlFlow;

@@ -188,35 +188,6 @@ fn slope(side: &AnyModel) -> StribeckValues {
     StribeckValues { f_s: f_c, f_c, v_s, f_v: 0.0, delta: of("delta").unwrap_or(2.0) }
 }
 
-/// Share of the largest friction that viscous friction has at the fastest motion, at least, where a
-/// search begins. From none at all it would begin with a bound of one newton second per metre, which
-/// is nothing to a stage that has thirty of them.
-const SOME: f64 = 1e-3;
-
-/// The model with some viscous friction to begin with, in the units of these recordings.
-pub(super) fn with_some_viscosity(model: &AnyModel, measured: &Measured) -> AnyModel {
-    let stretches = measured.stretches.iter();
-    let forces = stretches.clone().flat_map(|stretch| &stretch.friction);
-    let forces = forces.copied().chain(measured.points.iter().map(|point| point.torque));
-    let speeds = stretches.flat_map(|stretch| &stretch.velocity);
-    let speeds = speeds.copied().chain(measured.points.iter().map(|point| point.velocity));
-    let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
-    let (force, fastest) = (largest(&mut { forces }), largest(&mut { speeds }));
-    let least = SOME * force / fastest;
-    if !(fastest > 0.0 && least.is_finite()) {
-        return *model;
-    }
-    let with = |mut side: AnyParameters| {
-        if side.values("f_v").first().is_some_and(|f_v| *f_v < least) {
-            side.set("f_v", least);
-        }
-        side
-    };
-    let parameters = model.parameters();
-    let (forward, backward) = parameters.sides();
-    parameters.with_sides(with(forward), with(backward)).unwrap_or(*model)
-}
-
 fn error(model: &AnyModel, measured: &Measured) -> f64 {
     prediction_rms(&Predictor::from(*model), measured)
 }

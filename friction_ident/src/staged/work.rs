@@ -11,7 +11,7 @@ use super::last_word::{last_word, take_over};
 use super::load_choice::first_values;
 use super::prediction::residuals_that_count;
 use super::stage::{DAMPING, LAG, PRE_SLIDING, STATIC};
-use super::starts::with_some_viscosity;
+use super::viscosity::with_some_viscosity;
 use super::{FrictionData, Identified, Stage, StageResult, StagedOptions};
 use crate::IdentError;
 use crate::axis_term::AxisTerm;

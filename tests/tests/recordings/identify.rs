@@ -337,7 +337,7 @@ fn columns_that_contradict_each_other_are_told_before_any_number() {
         writeln!(text, "{t:.6},{:.9},{v:.9},{torque:.9}", x.to_degrees()).unwrap();
     }
     desk.file("degrees.csv", &text);
-    let warned = "WARNING: degrees.csv: `velocity_rad_s` is 0.01745 times the velocity";
+    let warned = "WARNING: degrees.csv: `velocity_rad_s` is 0.0174";
     for (out, options) in [
         ("axis", &[][..]),
         ("structure", &["--structure", "symmetric,asymmetric"]),
