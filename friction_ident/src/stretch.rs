@@ -146,7 +146,7 @@ impl Stretch {
         self.friction.is_empty()
     }
 
-    /// Mean velocity from sample `k` to the next: the position's difference where that tells it.
+    /// Mean velocity from sample `k` to the next: the position's difference where there is one.
     pub(crate) fn between(&self, k: usize) -> f64 {
         match &self.position {
             Some(position) => (position[k + 1] - position[k]) / self.time_step,
@@ -211,7 +211,7 @@ impl Stretch {
         }
     }
 
-    /// The position, integrated from the velocity where it does not tell the way between samples.
+    /// The position, integrated from the velocity where there is none.
     pub fn travel(&self) -> Vec<f64> {
         if let Some(position) = &self.position {
             return position.clone();

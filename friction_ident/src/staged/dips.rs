@@ -43,11 +43,17 @@ impl Work<'_> {
         measured: &Measured,
         watch: Watch,
     ) -> OutputErrorFit {
-        if self.data.has_steady_points() {
+        if self.data.has_steady_points() || !self.may_begin_again(&found) {
             return found;
         }
         let Some(start) = best_dip(&found, measured) else { return found };
         self.better_from(&start, found, damping, measured, watch)
+    }
+
+    /// Whether a second search is worth its time: with many parameters it takes long.
+    pub(super) fn may_begin_again(&self, found: &OutputErrorFit) -> bool {
+        let sides = Side::of(self.options.asymmetric).len();
+        !self.stopped && found.estimates.parameters.len() <= MOST_FREE * sides
     }
 
     /// `found`, or what a search finds that begins at `start`, where that is nearer to the recordings.
@@ -59,10 +65,6 @@ impl Work<'_> {
         measured: &Measured,
         watch: Watch,
     ) -> OutputErrorFit {
-        let sides = Side::of(self.options.asymmetric).len();
-        if self.stopped || found.estimates.parameters.len() > MOST_FREE * sides {
-            return found;
-        }
         let before = (self.load, self.converged);
         let estimated = match damping {
             Damping::Computed => false,
@@ -112,41 +114,50 @@ fn best_dip(fit: &OutputErrorFit, measured: &Measured) -> Option<AnyModel> {
         }
         _ => return None,
     };
-    let speeds = measured.stretches.iter().flat_map(|stretch| &stretch.velocity);
-    let usual = quantile(&sorted(speeds.map(|v| v.abs())), USUAL).filter(|v| *v > 0.0)?;
+    let usual = usual_speed(measured)?;
     // One that is narrower than all of them has run away from where such a one would lead to.
     let narrow = fit.model.parameter("v_s").is_some_and(|v_s| v_s < SPEEDS[0] * usual);
     let shares = if narrow { &SPEEDS[2..] } else { &SPEEDS[..] };
-    let parameters = fit.model.parameters();
-    let (forward, backward) = parameters.sides();
-    let mut tried = Vec::new();
-    for (level, stiffnesses) in levels.into_iter().zip(stiffnesses) {
-        for stiffer in stiffnesses {
-            for (speed, depth) in shares.iter().flat_map(|&v| DEPTHS.map(|depth| (v, depth))) {
-                let dip = Dip { f_c: level, f_s: depth * level, v_s: speed * usual, stiffer };
-                tried.extend(parameters.with_sides(dip.on(forward), dip.on(backward)));
-            }
-        }
-    }
+    let contacts = levels.into_iter().zip(&stiffnesses);
+    let contacts = contacts.flat_map(|(level, all)| all.iter().map(move |one| (level, *one)));
+    let tried = contacts.flat_map(|contact| with_dips(&fit.model, contact, shares, usual));
     let off = |model: &AnyModel| off(&Predictor { model: *model, load: fit.load }, measured);
-    tried.into_iter().min_by(|a, b| off(a).total_cmp(&off(b)))
+    tried.min_by(|a, b| off(a).total_cmp(&off(b)))
 }
 
 /// The model with the dip of a few that is nearest to the recordings, or as it is.
 pub(super) fn with_the_nearest_dip(model: AnyModel, measured: &Measured) -> AnyModel {
-    let speeds = measured.stretches.iter().flat_map(|stretch| &stretch.velocity);
-    let usual = quantile(&sorted(speeds.map(|v| v.abs())), USUAL).filter(|v| *v > 0.0);
-    let (Some(usual), Some(f_c)) = (usual, model.parameter("f_c")) else { return model };
-    let parameters = model.parameters();
-    let (forward, backward) = parameters.sides();
-    let speeds = || SPEEDS.into_iter().flat_map(|v| DEPTHS.map(|depth| (v, depth)));
-    let dips = LEVELS.into_iter().flat_map(|share| speeds().map(move |of| (share * f_c, of)));
-    let dips = dips.filter_map(|(level, (speed, depth))| {
-        let dip = Dip { f_c: level, f_s: depth * level, v_s: speed * usual, stiffer: None };
-        parameters.with_sides(dip.on(forward), dip.on(backward)).ok()
-    });
+    let (Some(usual), Some(f_c)) = (usual_speed(measured), model.parameter("f_c")) else {
+        return model;
+    };
+    let levels = LEVELS.into_iter().map(|share| (share * f_c, None));
+    let dips = levels.flat_map(|contact| with_dips(&model, contact, &SPEEDS, usual));
     let off = |model: &AnyModel| off(&(*model).into(), measured);
     std::iter::once(model).chain(dips).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(model)
+}
+
+/// The speed that most samples stay below; none without motion.
+fn usual_speed(measured: &Measured) -> Option<f64> {
+    let speeds = measured.stretches.iter().flat_map(|stretch| &stretch.velocity);
+    quantile(&sorted(speeds.map(|v| v.abs())), USUAL).filter(|v| *v > 0.0)
+}
+
+/// The model with a contact of this kinetic level, stiffer by a factor if there is one, and each of
+/// the dips whose Stribeck velocity is one of `shares` of the usual speed.
+fn with_dips(
+    model: &AnyModel,
+    (level, stiffer): (f64, Option<f64>),
+    shares: &[f64],
+    usual: f64,
+) -> Vec<AnyModel> {
+    let parameters = model.parameters();
+    let (forward, backward) = parameters.sides();
+    let dips = shares.iter().flat_map(|&speed| DEPTHS.map(|depth| (speed, depth)));
+    let with = |(speed, depth): (f64, f64)| {
+        let dip = Dip { f_c: level, f_s: depth * level, v_s: speed * usual, stiffer };
+        parameters.with_sides(dip.on(forward), dip.on(backward)).ok()
+    };
+    dips.filter_map(with).collect()
 }
 
 /// What is tried.

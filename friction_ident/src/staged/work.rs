@@ -194,7 +194,8 @@ impl<'a> Work<'a> {
             Damping::Either => self.refine_either(&model, &measured, watch)?,
         };
         let fit = self.with_a_dip(fit, damping, &measured, watch);
-        let fit = match self.with_a_reach(by_stages) {
+        let again = self.may_begin_again(&fit);
+        let fit = match again.then(|| self.with_a_reach(by_stages)).flatten() {
             Some(start) => self.better_from(&start, fit, damping, &measured, watch),
             None => fit,
         };

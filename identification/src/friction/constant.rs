@@ -7,7 +7,8 @@
 
 use friction_ident::position_load::LoadShape;
 use friction_ident::residual_whiteness::effective_share;
-use friction_ident::staged::residuals;
+use friction_ident::staged::{PositionLoadChoice, residuals};
+use friction_ident::statistics::root_mean_square;
 use friction_ident::{FrictionData, Identified};
 
 use super::from_drive::FromDrive;
@@ -16,8 +17,6 @@ use super::from_drive::FromDrive;
 const CLEAR: f64 = 4.0;
 /// Share of the mean square left that it must be, as for any constant force beside friction.
 const WORTH: f64 = 0.01;
-/// Share of the samples of either direction, at least: friction of one direction is a constant too.
-const BOTH_WAYS: f64 = 0.1;
 
 type Models = [(Identified, Option<FromDrive>)];
 
@@ -25,52 +24,42 @@ type Models = [(Identified, Option<FromDrive>)];
 fn best(models: &Models, data: &FrictionData) -> Option<Vec<f64>> {
     let left = models.iter().filter(|(found, _)| found.converged).map(|(found, _)| {
         let left = residuals(&found.predictor(), data);
-        (mean_square(&left), left)
+        (root_mean_square(&left), left)
     });
+    let left = left.filter(|(rms, _)| rms.is_finite());
     left.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, left)| left)
 }
 
-fn mean_square(values: &[f64]) -> f64 {
-    let mean = values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64;
-    if mean.is_finite() { mean } else { f64::INFINITY }
-}
-
-/// What to estimate beside friction in place of `beside`, where the best of the models leaves a
-/// constant.
+/// What to estimate beside friction in place of what was chosen, where the best of the models leaves
+/// a constant. None where an offset was not among what was compared: recordings of one direction,
+/// and friction of each direction, have it in their levels.
 pub(super) fn left_over(
     models: &Models,
     data: &FrictionData,
-    beside: LoadShape,
-    asymmetric: bool,
+    beside: &PositionLoadChoice,
 ) -> Option<LoadShape> {
-    if asymmetric || beside.offset || !goes_both_ways(data) {
+    let offered = beside.compared.iter().any(|(shape, _)| shape.offset);
+    if beside.chosen.offset || !offered {
         return None;
     }
     let left = best(models, data)?;
     let mean = left.iter().sum::<f64>() / left.len().max(1) as f64;
     let centred: Vec<f64> = left.iter().map(|left| left - mean).collect();
     let independent = left.len() as f64 * effective_share(&centred);
-    let error = (mean_square(&centred) / independent).sqrt();
-    let told = mean.abs() > CLEAR * error && mean * mean > WORTH * mean_square(&left);
-    told.then_some(LoadShape { offset: true, ..beside })
+    let error = root_mean_square(&centred) / independent.sqrt();
+    let told = mean.abs() > CLEAR * error && mean * mean > WORTH * root_mean_square(&left).powi(2);
+    told.then_some(LoadShape { offset: true, ..beside.chosen })
 }
 
 /// Whether models with a constant force leave less than those `without`, by as much as it is worth.
 pub(super) fn worth_it(with: &Models, without: &Models, data: &FrictionData) -> bool {
     match (best(with, data), best(without, data)) {
-        (Some(with), Some(without)) => mean_square(&with) < (1.0 - WORTH) * mean_square(&without),
+        (Some(with), Some(without)) => {
+            let ratio = root_mean_square(&with) / root_mean_square(&without);
+            ratio * ratio < 1.0 - WORTH
+        }
         _ => false,
     }
-}
-
-fn goes_both_ways(data: &FrictionData) -> bool {
-    let stretches = [&data.pre_sliding, &data.lag, &data.mixed].into_iter().flatten();
-    let moving = stretches.flat_map(|stretch| stretch.velocity.iter().copied());
-    let (mut forward, mut backward) = (0.0, 0.0);
-    for velocity in moving.chain(data.points.iter().map(|point| point.velocity)) {
-        if velocity > 0.0 { forward += 1.0 } else { backward += 1.0 }
-    }
-    f64::min(forward, backward) > BOTH_WAYS * (forward + backward)
 }
 
 #[cfg(test)]
@@ -103,13 +92,21 @@ mod tests {
         };
         let level = AnyModel::test_bed(ModelName::LuGre).parameter("f_c").unwrap();
         let (without, data) = fitted(0.1 * level, LoadShape::NONE);
-        let shape = left_over(&without, &data, LoadShape::NONE, false).expect("a constant");
+        let offset = LoadShape { offset: true, ..LoadShape::NONE };
+        let beside = |chosen| PositionLoadChoice {
+            chosen,
+            compared: vec![(LoadShape::NONE, 30.0), (offset, 29.9)],
+        };
+        let shape = left_over(&without, &data, &beside(LoadShape::NONE)).expect("a constant");
         let (with, _) = fitted(0.1 * level, shape);
         assert!(worth_it(&with, &without, &data));
         let offset = with[0].0.estimates.get("offset").unwrap().value;
         assert!((offset / (0.1 * level) - 1.0).abs() < 0.02, "{offset} of {level}");
-        assert_eq!(left_over(&with, &data, shape, false), None);
+        assert_eq!(left_over(&with, &data, &beside(shape)), None);
+        // Friction of each direction has it in its levels.
+        let sides = PositionLoadChoice { chosen: LoadShape::NONE, compared: Vec::new() };
+        assert_eq!(left_over(&without, &data, &sides), None);
         let (nothing, data) = fitted(0.0, LoadShape::NONE);
-        assert_eq!(left_over(&nothing, &data, LoadShape::NONE, false), None);
+        assert_eq!(left_over(&nothing, &data, &beside(LoadShape::NONE)), None);
     }
 }

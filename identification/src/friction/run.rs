@@ -50,20 +50,20 @@ pub fn identify(
     let moved = moved(files, reach, &settings);
 
     let mut fits = Fits::of((&data, &moved), &settings, progress, cancel);
-    let asymmetric = settings.staged.asymmetric;
+    let mut interrupted = fits.interrupted(cancel);
+    let constant = constant::left_over(&fits.models, &data, &beside).filter(|_| !interrupted);
     let mut left_over = false;
-    if let Some(shape) = constant::left_over(&fits.models, &data, beside.chosen, asymmetric)
-        && !fits.interrupted(cancel)
-    {
+    if let Some(shape) = constant {
+        progress.expect(2 * settings.models.len() as u64);
         let more = with(shape);
         let again = Fits::of((&data, &moved), &more, progress, cancel);
-        if !again.interrupted(cancel) && constant::worth_it(&again.models, &fits.models, &data) {
+        interrupted = again.interrupted(cancel);
+        if !interrupted && constant::worth_it(&again.models, &fits.models, &data) {
             (fits, settings, beside.chosen) = (again, more, shape);
             left_over = true;
         }
     }
     let settings = &settings;
-    let interrupted = fits.interrupted(cancel);
     let Fits { mut models, refused, completion } = fits;
     if models.is_empty() {
         return Err(nothing_found(refused, files));
