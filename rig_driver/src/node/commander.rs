@@ -18,10 +18,10 @@ use msgs::{
 };
 use ros_node::{Gate, Logger, ParticipantId, Passes, RosNode, RosNodeError, Sent};
 
-use super::{control::Counters, locked::locked};
-
-/// Age from which a command without a stamp no longer counts as made when it comes.
-const WAITED: Duration = Duration::from_millis(100);
+use super::{
+    control::{Counters, WAITED},
+    locked::locked,
+};
 
 /// Shortest time between two lines of the log about commands that were refused.
 const LINES: Duration = Duration::from_secs(10);

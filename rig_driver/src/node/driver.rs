@@ -142,7 +142,8 @@ impl RigDriver {
             if let Some(queue) = &mut *locked(&commands) {
                 // Before 1970 is long ago; zero says that there is no stamp.
                 let stamp_ns = if stamp.sec < 0 { 1 } else { stamp.to_nanos() };
-                queue.send(VoltageCommand { stamp_ns, volts: message.voltage });
+                let (volts, came_ns) = (message.voltage, sent.taken_ns);
+                queue.send(VoltageCommand { stamp_ns, volts, came_ns });
             }
         })?;
         let last = Arc::downgrade(&axis);

@@ -9,6 +9,7 @@ use ros2_client::qos::{Durability, History, QosProfile};
 use ros2_client::{Message, MessageInfo, MessageTypeName};
 
 use super::{RosNode, parse, profile, since_epoch};
+use crate::deadlines::now_ns;
 use crate::inside::Told;
 use crate::one_writer::WriterId;
 use crate::{Named, Publisher, RosNodeError};
@@ -152,13 +153,19 @@ pub struct Sent {
     /// How long ago, by the system's clocks on both sides; zero if its publisher did not say, or by
     /// a clock that is ahead.
     pub age: Duration,
+    /// When it was taken from the middleware, by [`now_ns`](crate::deadlines::now_ns) \[ns\]; `age`
+    /// was as it says then or later.
+    pub taken_ns: u64,
 }
 
 impl Sent {
     fn read(info: &MessageInfo) -> Self {
+        // First: a process may be stopped between the two, and a command that waited then is not
+        // new when it goes on.
+        let taken_ns = now_ns();
         let sent = sent_ns(info).map(Duration::from_nanos);
         let age = sent.map_or(Duration::ZERO, |sent| since_epoch().saturating_sub(sent));
-        Self { writer: WriterId(info.publisher_gid().to_bytes16()), age }
+        Self { writer: WriterId(info.publisher_gid().to_bytes16()), age, taken_ns }
     }
 }
 

@@ -117,6 +117,7 @@ fn a_process_that_stood_still_comes_back_and_nothing_that_waited_moves_the_motor
         number(&report["unstamped_moves"]) > 1.9,
         "commands without a stamp count when they come: {report}"
     );
-    assert_eq!(report["old_unstamped"], 0.0, "{report}");
+    let cycles = report["old_unstamped"].as_array().unwrap().len();
+    assert!(cycles <= 1, "the first cycle afterwards takes the voltage away: {report}");
     assert_ended(&report["exit"]);
 }

@@ -74,7 +74,7 @@ fn run(
         counters: Arc::default(),
     };
     let mut one = OneWriter::new(None);
-    let mut newest = VoltageCommand { stamp_ns: 0, volts: 0.0 };
+    let mut newest = 0;
     let (mut voltages, mut highest) = (Vec::new(), 0.0f64);
     task.work.rig.request(Request::Configure).unwrap();
     for cycle in 0..CYCLES {
@@ -89,12 +89,12 @@ fn run(
         }
         task.given.note(stamp_ns);
         // A voltage answers the measurement of the cycle before.
-        let genuine = (ONE, VoltageCommand { stamp_ns: stamp_ns - MS, volts: 1.0 });
+        let genuine = (ONE, command(stamp_ns - MS, 1.0));
         let strange = if HOSTILE.contains(&cycle) { hostile(cycle, stamp_ns) } else { Vec::new() };
         let sent = (commands || !HOSTILE.contains(&cycle)).then_some(genuine);
         for (writer, command) in sent.into_iter().filter(|_| cycle > 50).chain(strange) {
             if let Verdict::Taken { .. } = one.hear(writer, cycle * MS) {
-                to_motor.send(command);
+                to_motor.send(VoltageCommand { came_ns: cycle * MS, ..command });
             }
         }
         if let Some(inner) = &mut task.work.in_cycle {
@@ -104,14 +104,14 @@ fn run(
             task.work.rig.command(now, volts);
             task.in_memory = true;
         }
-        task.take_commands(&mut newest, (stamp_ns, EPOCH, now));
+        task.take_commands(&mut newest, Moment { start_ns: cycle * MS, stamp_ns, now });
         task.work.rig.drive().unwrap();
     }
     Run { voltages, state: task.work.rig.supervisor().state(), highest }
 }
 
 fn command(stamp_ns: u64, volts: f64) -> VoltageCommand {
-    VoltageCommand { stamp_ns, volts }
+    VoltageCommand { stamp_ns, volts, came_ns: 0 }
 }
 
 /// What a row's input does, beside a commander that asks for one volt.

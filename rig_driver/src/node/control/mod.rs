@@ -18,7 +18,7 @@ use std::{
 use ros_node::{
     deadlines::{Deadlines, now_ns, request_realtime},
     queue::{Receiver, Sender, Waker, queue},
-    stamps::{Answers, Given},
+    stamps::Given,
 };
 
 use super::{
@@ -31,6 +31,11 @@ use crate::{
     safety::{FaultReport, Request, State, Supervised},
     station::{Presence, Station},
 };
+
+mod commands;
+
+use commands::{Fate, Moment, fate};
+pub(super) use commands::{VoltageCommand, WAITED};
 
 /// Commands that wait for their cycle.
 const COMMANDS: usize = 64;
@@ -47,16 +52,6 @@ pub(super) enum Asked {
     Safety(Request),
     /// Zeros found anew.
     Zero,
-}
-
-/// A voltage that somebody asks for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct VoltageCommand {
-    /// Time of the measurement it answers to [ns since the epoch]; zero if it says none, which
-    /// counts as now.
-    pub(super) stamp_ns: u64,
-    /// Volts.
-    pub(super) volts: f64,
 }
 
 /// One cycle on its way to the publisher.
@@ -245,7 +240,8 @@ impl Task {
         let first = now_ns();
         let mut deadlines = Deadlines::new(first, period_ns);
         let mut before: Option<u64> = None;
-        let mut newest = VoltageCommand { stamp_ns: 0, volts: 0.0 };
+        // When the newest command was made [ns since the epoch]; zero for none.
+        let mut newest = 0;
         let mut zero = Zero::default();
         let mut heard = 0;
         while !self.stop.load(Ordering::Relaxed) {
@@ -279,10 +275,10 @@ impl Task {
             if let Some(volts) = self.work.in_cycle.as_mut().and_then(|inner| inner.answer(&begun))
             {
                 self.work.rig.command(now, volts);
-                newest = VoltageCommand { stamp_ns, volts };
+                newest = stamp_ns;
                 self.in_memory = true;
             }
-            self.take_commands(&mut newest, (stamp_ns, epoch_ns, now));
+            self.take_commands(&mut newest, Moment { start_ns: start, stamp_ns, now });
             // Stop and permission come last before the voltage, and count above everything before.
             let mut checked = self.work.station.check(&mut self.work.rig, &mut heard);
             if let Some(error) = checked.refused.take() {
@@ -296,7 +292,7 @@ impl Task {
             }
             let supervisor = self.work.rig.supervisor();
             let (state, fault) = (supervisor.state(), supervisor.latched().copied());
-            let moves = state.moves() && newest.stamp_ns > 0;
+            let moves = state.moves() && newest > 0;
             let cycle = Cycle {
                 stamp_ns,
                 measurement,
@@ -305,7 +301,7 @@ impl Task {
                 state,
                 fault,
                 rise: supervisor.rise(),
-                age_ns: if moves { stamp_ns.saturating_sub(newest.stamp_ns) } else { 0 },
+                age_ns: if moves { stamp_ns.saturating_sub(newest) } else { 0 },
                 period_ns: before.map_or(0, |before| start - before),
                 execution_ns: now_ns() - start,
             };
@@ -344,31 +340,25 @@ impl Task {
         }
     }
 
-    /// Commands that came over the network, in a cycle of that stamp and time since `epoch_ns`
-    /// \[s\].
-    fn take_commands(
-        &mut self,
-        newest: &mut VoltageCommand,
-        (stamp_ns, epoch_ns, now): (u64, u64, f64),
-    ) {
+    /// Commands that came over the network, in the cycle of that moment.
+    fn take_commands(&mut self, newest: &mut u64, moment: Moment) {
         let lost = self.work.rig.supervisor().limits().command_lost;
+        let oldest = moment.stamp_ns.saturating_sub((lost * 1e9) as u64);
         while let Some(command) = self.commands.take() {
-            let oldest = stamp_ns.saturating_sub((lost * 1e9) as u64);
-            let fate =
-                if self.in_memory { Fate::Outside } else { fate(&command, &self.given, oldest) };
+            let fate = if self.in_memory {
+                Fate::Outside
+            } else {
+                fate(&command, &self.given, moment, oldest)
+            };
             let counter = match fate {
-                Fate::Counts => {
-                    let made_ns = if command.stamp_ns == 0 { stamp_ns } else { command.stamp_ns };
-                    let made = (made_ns as i128 - i128::from(epoch_ns)) as f64 * 1e-9;
-                    if made_ns >= newest.stamp_ns {
-                        *newest = VoltageCommand { stamp_ns: made_ns, ..command };
-                    }
-                    self.work.rig.command(made, command.volts);
+                Fate::Counts { made_ns } => {
+                    *newest = made_ns.max(*newest);
+                    self.work.rig.command(moment.since_start(made_ns), command.volts);
                     continue;
                 }
                 // The supervisor makes a fault of it.
                 Fate::NoNumber => {
-                    self.work.rig.command(now, command.volts);
+                    self.work.rig.command(moment.now, command.volts);
                     continue;
                 }
                 Fate::Stale => &self.counters.stale,
@@ -390,66 +380,5 @@ fn remembered(rig: &Supervised<Box<dyn Rig + Send>>) -> usize {
     (rig.supervisor().limits().command_lost / rig.period() + 2.0).clamp(2.0, REMEMBERED) as usize
 }
 
-/// What becomes of a command of the one who may command.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Fate {
-    /// It goes to the supervisor.
-    Counts,
-    /// A voltage that is no number: the one who commands has lost its mind, whatever the stamp. The
-    /// supervisor holds the motor.
-    NoNumber,
-    /// Too old to count at all.
-    Stale,
-    /// It answers a measurement that was not made yet.
-    Future,
-    /// It answers a measurement that there never was.
-    Unknown,
-    /// Commands come in memory.
-    Outside,
-}
-
-/// What becomes of a command, given the stamps of the measurements; those before `oldest` \[ns\]
-/// are too old. A stamp of zero means now.
-pub(super) fn fate(command: &VoltageCommand, given: &Given, oldest: u64) -> Fate {
-    if !command.volts.is_finite() {
-        return Fate::NoNumber;
-    }
-    if command.stamp_ns == 0 {
-        return Fate::Counts;
-    }
-    match given.judge(command.stamp_ns) {
-        Answers::Future => Fate::Future,
-        Answers::Old => Fate::Stale,
-        _ if command.stamp_ns < oldest => Fate::Stale,
-        Answers::Unknown => Fate::Unknown,
-        Answers::Known => Fate::Counts,
-    }
-}
-
 #[cfg(test)]
 mod hostile;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_command_counts_if_it_answers_a_measurement_that_was_made_a_moment_ago() {
-        const MS: u64 = 1_000_000;
-        const NOW: u64 = 1_700_000_000_000 * MS;
-        let mut given = Given::new(502);
-        (0..600).rev().for_each(|cycle| given.note(NOW - cycle * MS));
-        let at = |stamp_ns| fate(&VoltageCommand { stamp_ns, volts: 6.0 }, &given, NOW - 500 * MS);
-        assert_eq!([at(0), at(NOW), at(NOW - 7 * MS), at(NOW - 500 * MS)], [Fate::Counts; 4]);
-        // A stranger's clock, a nanosecond ahead or ten seconds.
-        assert_eq!([at(NOW + 1), at(NOW + 10_000 * MS), at(u64::MAX)], [Fate::Future; 3]);
-        assert_eq!([at(NOW - 1), at(NOW - 7 * MS + 1)], [Fate::Unknown; 2]);
-        assert_eq!([at(1), at(NOW - 501 * MS), at(NOW - 60_000 * MS)], [Fate::Stale; 3]);
-        for volts in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            assert_eq!(
-                fate(&VoltageCommand { stamp_ns: u64::MAX, volts }, &given, 0),
-                Fate::NoNumber
-            );
-        }
-    }
-}
