@@ -57,6 +57,7 @@ mod shape;
 mod sliding;
 mod stability;
 mod start;
+mod unseen;
 mod waves;
 
 pub use crate::structure::{AxisStructure, UnknownStructure};

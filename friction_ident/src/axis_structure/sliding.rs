@@ -179,7 +179,7 @@ mod tests {
     use rand_distr::StandardNormal;
 
     use super::*;
-    use crate::conditioning::{Conditioning, Signals, condition};
+    use crate::conditioning::{Conditioning, Signals, Stick, condition};
     use crate::estimate::{Interval, IntervalMethod, Verdict};
 
     const INERTIA: f64 = 1.0;
@@ -261,7 +261,7 @@ mod tests {
             let how = Conditioning::for_motion(time_step, &[signals]);
             let mut found = condition(&signals, &how).unwrap();
             // Its short sticks stay in it, as where the position is not that of an encoder.
-            found.sticks.fill(false);
+            found.sticks.fill(Stick::Away);
             found.moving().unwrap().0
         }
     }

@@ -32,7 +32,7 @@ impl Conditioned {
             let own = self.sticks.get(piece.kept.clone()).unwrap_or_default();
             own.iter().copied().step_by(factor)
         });
-        let sticks: Vec<bool> = sticks.collect();
+        let sticks = sticks.collect();
         let force = self.by_piece(&self.force, |own| decimate(own, factor))?;
         let position = self.position.as_deref().map(thin).transpose()?;
         let (velocity, acceleration) = (thin(&self.velocity)?, thin(&self.acceleration)?);

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::sticks::Stick;
 use crate::IdentError;
 
 /// Samples that the anti-alias low-pass of the thinning needs more than: three times its order.
@@ -41,9 +42,9 @@ pub struct Conditioned {
     pub(crate) sticking: bool,
     /// Smallest step between two readings of the position \[m or rad\]; zero where there is none.
     pub(crate) step: f64,
-    /// Whether the readings of the position show that the axis sticks, of each kept sample; empty
-    /// once the rests are left out.
-    pub(crate) sticks: Vec<bool>,
+    /// How near each kept sample lies to where the readings of the position show that the axis
+    /// sticks; empty once the rests are left out.
+    pub(crate) sticks: Vec<Stick>,
     /// Velocity of all that was recorded, stretch by stretch: with what the trim takes off before a
     /// stretch, and with the time in which the axis stands still. Bristles live through both.
     pub(crate) lived: Vec<f64>,

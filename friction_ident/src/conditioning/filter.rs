@@ -2,7 +2,7 @@
 
 use super::conditioned::{Conditioned, Piece};
 use super::settings::Conditioning;
-use super::sticks::{smallest_step, sticking};
+use super::sticks::{Stick, smallest_step, sticking};
 use crate::IdentError;
 use crate::zero_phase::LowPass;
 
@@ -21,6 +21,8 @@ pub struct Signals<'a> {
 
 /// Periods of a low-pass by which it spreads a step to each side.
 const REACH: f64 = 0.25;
+/// And within which it still rings by more than 2 % of the step.
+const RINGS: f64 = 0.75;
 /// Share of the fastest velocity above which a direction is clear.
 const CLEAR: f64 = 0.01;
 
@@ -84,9 +86,9 @@ pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, I
     let readings = signals.position.unwrap_or_default();
     let step = smallest_step(readings);
     let spread = REACH / how.cutoff.min(how.acceleration_cutoff);
-    let reach = (spread / dt).round() as usize;
+    let reach = [REACH, RINGS].map(|periods| (spread * periods / REACH / dt).round() as usize);
     let mut sticks = sticking(readings, step, reach);
-    sticks.resize(n, false);
+    sticks.resize(n, Stick::Away);
     let pieces = vec![Piece { stretch: 0, kept: all, origin, begin: 0, way, start: 0.0 }];
     Ok(Conditioned {
         pieces,

@@ -26,4 +26,6 @@ pub(crate) use conditioned::Piece;
 pub use filter::{Signals, condition};
 pub use rests::Rest;
 pub use settings::{Conditioning, Differences};
+#[cfg(test)]
+pub(crate) use sticks::Stick;
 pub use stretches::condition_stretches;

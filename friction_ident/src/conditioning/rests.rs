@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::conditioned::{Conditioned, Piece, THINNING_PADDING};
+use super::sticks::Stick;
 use crate::IdentError;
 use crate::rest::standing;
 
@@ -12,6 +13,10 @@ const LEAST_ROWS_BETWEEN_STICKS: usize = 4;
 
 /// Share of the motion that must be left where short sticks are left out too.
 const LEAST_LEFT: f64 = 0.25;
+
+/// Share of what is left between the sticks, as far as the low-pass spreads them, that must be left
+/// where it does not ring any more: what rings a little is better than nothing.
+const BESIDE_RINGS: f64 = 0.75;
 
 /// For how long a recording stands still.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -52,18 +57,27 @@ impl Conditioned {
     /// # Errors
     /// [`IdentError::TooFewSamples`] where no motion between two rests is long enough.
     pub fn moving(self) -> Result<(Self, Rest), IdentError> {
-        let mut rests = self.rests();
+        let rests = self.rests();
         let mut motion = self.between(&rests, LEAST_ROWS);
         let (mut sticking, mut rest) = (false, Rest::default());
-        if self.sticks.contains(&true) {
-            let only = rests.iter().zip(&self.sticks).filter(|(rest, sticks)| **sticks && !**rest);
-            rest.kept = only.count() as f64 * self.time_step;
-            rests.iter_mut().zip(&self.sticks).for_each(|(rest, sticks)| *rest |= sticks);
-            let without = self.between(&rests, LEAST_ROWS_BETWEEN_STICKS);
-            if without.samples() as f64 >= LEAST_LEFT * motion.samples() as f64 {
-                let fewer = motion.samples().saturating_sub(without.samples());
+        let only = rests.iter().zip(&self.sticks);
+        let only = only.filter(|(rest, stick)| **stick == Stick::At && !**rest);
+        rest.kept = only.count() as f64 * self.time_step;
+        // As far as the low-pass rings, or as far as it spreads them.
+        let without = |how: Stick| {
+            let or_sticks =
+                rests.iter().zip(&self.sticks).map(|(rest, stick)| *rest || *stick >= how);
+            let or_sticks: Vec<bool> = or_sticks.collect();
+            self.between(&or_sticks, LEAST_ROWS_BETWEEN_STICKS)
+        };
+        if self.sticks.iter().any(|stick| *stick > Stick::Away) {
+            let (rings, at) = (without(Stick::Rings), without(Stick::At));
+            let left = |motion: &Motion| motion.samples() as f64;
+            let found = if left(&rings) >= BESIDE_RINGS * left(&at) { rings } else { at };
+            if left(&found) >= LEAST_LEFT * left(&motion) {
+                let fewer = motion.samples().saturating_sub(found.samples());
                 rest = Rest { sticks: fewer as f64 * self.time_step, kept: 0.0, ..rest };
-                (motion, sticking) = (without, true);
+                (motion, sticking) = (found, true);
             }
         }
         let left = motion.samples();

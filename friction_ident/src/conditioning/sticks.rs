@@ -26,12 +26,23 @@ pub(super) fn smallest_step(position: &[f64]) -> f64 {
     least.unwrap_or(0.0)
 }
 
-/// The samples at which the axis sticks, by readings that are `step` apart, and those within `reach`
-/// of them, where a low-pass takes the stick for a part of the motion.
-pub(super) fn sticking(position: &[f64], step: f64, reach: usize) -> Vec<bool> {
+/// How near a sample lies to a stick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Stick {
+    /// So far that a low-pass brings nothing of it.
+    Away,
+    /// Where a low-pass rings after it.
+    Rings,
+    /// At it, or where a low-pass takes it for a part of the motion.
+    At,
+}
+
+/// How near each sample lies to where the axis sticks, by readings that are `step` apart: a low-pass
+/// spreads a stick over the first `reach` to each side, and rings over the second, longer one.
+pub(super) fn sticking(position: &[f64], step: f64, reach: [usize; 2]) -> Vec<Stick> {
     let mut sticks = vec![false; position.len()];
     if step <= 0.0 {
-        return sticks;
+        return vec![Stick::Away; position.len()];
     }
     let mut same = Same::default();
     for (k, &x) in position.iter().enumerate() {
@@ -44,13 +55,15 @@ pub(super) fn sticking(position: &[f64], step: f64, reach: usize) -> Vec<bool> {
         same.take(k, x);
     }
     mark(&mut sticks, position, same.first..position.len(), same.middle(), AWAY * step);
-    let mut spread = vec![false; position.len()];
-    for (k, _) in sticks.iter().enumerate().filter(|(_, sticks)| **sticks) {
-        let near =
-            k.saturating_sub(reach)..k.saturating_add(reach).saturating_add(1).min(spread.len());
-        spread.get_mut(near).unwrap_or_default().fill(true);
+    let mut near = vec![Stick::Away; position.len()];
+    let [spreads, rings] = reach;
+    for (reach, how) in [(rings, Stick::Rings), (spreads, Stick::At)] {
+        for (k, _) in sticks.iter().enumerate().filter(|(_, sticks)| **sticks) {
+            let end = k.saturating_add(reach).saturating_add(1).min(near.len());
+            near.get_mut(k.saturating_sub(reach)..end).unwrap_or_default().fill(how);
+        }
     }
-    spread
+    near
 }
 
 /// Readings one after the other that stay where they are, with those of them that may be the lowest
@@ -122,8 +135,8 @@ mod tests {
     }
 
     fn share(position: &[f64]) -> f64 {
-        let sticks = sticking(position, smallest_step(position), 0);
-        sticks.iter().filter(|sticks| **sticks).count() as f64 / sticks.len() as f64
+        let sticks = sticking(position, smallest_step(position), [0; 2]);
+        sticks.iter().filter(|stick| **stick == Stick::At).count() as f64 / sticks.len() as f64
     }
 
     /// A period that is next to nothing makes any spread longer than all samples can be counted.
@@ -132,8 +145,12 @@ mod tests {
         let mut stops = vec![0.0, 20.0, 40.0];
         stops.extend([60.0; 6]);
         stops.extend([80.0, 100.0, 120.0]);
-        let sticks = |reach| sticking(&stops, 1.0, reach).iter().filter(|sticks| **sticks).count();
-        assert_eq!((sticks(0), sticks(1), sticks(usize::MAX)), (6, 8, 12));
+        let sticks = |spreads, rings| {
+            let found = sticking(&stops, 1.0, [spreads, rings]);
+            [Stick::At, Stick::Rings].map(|how| found.iter().filter(|stick| **stick >= how).count())
+        };
+        assert_eq!((sticks(0, 0), sticks(1, 2)), ([6, 6], [8, 10]));
+        assert_eq!((sticks(1, usize::MAX), sticks(usize::MAX, usize::MAX)), ([8, 12], [12, 12]));
     }
 
     /// Motion that turns, is slow, or stands for ever does not stick by this; what stops for 20 ms at

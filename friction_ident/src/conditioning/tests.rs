@@ -161,7 +161,7 @@ fn short_sticks_are_left_out_where_an_encoder_shows_them() {
     };
     let (found, rest) = moving(&read(0.1, 0.7));
     // 30 of them, each with what the encoder does not see and the low-pass spreads.
-    assert!((2.9..7.0).contains(&rest.out), "{rest:?}");
+    assert!((2.9..12.0).contains(&rest.out), "{rest:?}");
     assert_eq!((rest.sticks, rest.kept), (rest.out, 0.0));
     assert!((25..=30).contains(&found.pieces.len()), "{}", found.pieces.len());
     assert_eq!(moving(&read(0.0, 0.7)).1, Rest::default());
@@ -169,6 +169,56 @@ fn short_sticks_are_left_out_where_an_encoder_shows_them() {
     let (found, rest) = moving(&read(0.1, 0.15));
     assert_eq!((found.pieces.len(), rest.out, rest.sticks), (1, 0.0, 0.0));
     assert!((8.0..24.0).contains(&rest.kept), "{rest:?}");
+}
+
+/// A stranger's rotary table, recorded at 50 Hz, stands for 0.2 s where it turns round. Behind the
+/// low-pass the jump of its acceleration there rings on for 0.2 s: f_c came out 3 % low beside a dip that
+/// halved the error, and that it does not have.
+#[test]
+fn what_rings_after_a_stick_is_left_out_with_it() {
+    use crate::axis_structure::{AxisStructure, AxisUnits, fit_structure};
+    const DT: f64 = 0.02;
+    let (fast, ramp) = (1.5, 1.25);
+    // Ways of different length, and what the controller holds the table with.
+    let mut at = Vec::new();
+    let mut place = 0.0;
+    for turn in 0..40 {
+        let way = if turn % 2 == 0 { 1.0 } else { -1.0 };
+        let steady = 0.6 + 0.13 * f64::from(turn % 7);
+        let lasts = 2.0 * ramp + steady;
+        let mut t = 0.0;
+        while t < lasts {
+            let (up, down) = ((t / ramp).min(1.0), ((lasts - t) / ramp).min(1.0));
+            let a = if up < 1.0 {
+                fast / ramp
+            } else if down < 1.0 {
+                -fast / ramp
+            } else {
+                0.0
+            };
+            let v = fast * up.min(down);
+            at.push((place, 12.0 * way * a + 6.2 * way * v + 9.4 * way - 0.7));
+            place += way * (v * DT + 0.5 * a * DT * DT);
+            t += DT;
+        }
+        at.extend([(place, 3.0 * way - 0.7); 10]);
+    }
+    const STEP: f64 = 1.7e-5;
+    let position: Vec<f64> = at.iter().map(|(place, _)| (place / STEP).floor() * STEP).collect();
+    let force: Vec<f64> = at.iter().map(|(_, force)| *force).collect();
+    let given = Signals { time_step: DT, ..signals(&position, &force) };
+    let how = Conditioning { low_pass_force: true, ..Conditioning::for_time_step(DT) };
+    let (moving, rest) = condition(&given, &how).unwrap().moving().unwrap();
+    assert!(rest.sticks > 0.2 * 39.0, "{rest:?}");
+    let fit = fit_structure(&moving, AxisStructure::SYMMETRIC, &AxisUnits::ROTARY).unwrap();
+    let off =
+        |name: &'static str, truth: f64| (fit.estimates.value(name).unwrap() / truth - 1.0).abs();
+    let dip = AxisStructure { stribeck: true, ..AxisStructure::SYMMETRIC };
+    let with = fit_structure(&moving, dip, &AxisUnits::ROTARY).unwrap();
+    // Before, 3 % of f_c and 1.1 % of the torque, of which a dip took a half.
+    assert!(off("inertia", 12.0) < 3e-3 && off("f_c", 9.4) < 0.015, "{:?}", fit.estimates);
+    let errors = (fit.relative_error, with.relative_error);
+    assert!(errors.0 < 0.7 && errors.1 > 0.75 * errors.0, "{errors:?}");
 }
 
 /// Of 5 kHz with a motion of a few hertz a fifth is left, at the same times and of the same size.

@@ -84,6 +84,9 @@ pub struct Structured {
     pub refused: Vec<(AxisStructure, IdentError)>,
     /// Their ranking.
     pub choice: Choice,
+    /// Those that the choice came by and that have a part of which the recording shows no parameter,
+    /// and that predict no better than chance for it.
+    pub unseen: Vec<AxisStructure>,
     /// The chosen one, fitted to the whole recording.
     pub fit: StructureFit,
     /// On the recording it was fitted to.
@@ -136,6 +139,14 @@ impl Structured {
                 best.structure
             )
         });
+        let unseen = self.unseen.iter().map(|other| {
+            format!(
+                "{other} predicts no better than {} by more than chance, and the recording shows no parameter of what it has besides: it is left, and the \
+                 intervals reach to both.",
+                self.fit.structure
+            )
+        });
+        let unseen: Vec<String> = unseen.collect();
         let along = Along::of(&self.fit, self.axis).map(|along| along.note());
         let own = self.fit.notes();
         let new = |below: &String| !own.iter().any(|note| note.starts_with(below));
@@ -145,7 +156,15 @@ impl Structured {
             )
         };
         let below: Vec<String> = below(&self.fit).filter(new).map(said).collect();
-        sliding.into_iter().chain(curved).chain(along).chain(below).chain(own).chain(rise).collect()
+        sliding
+            .into_iter()
+            .chain(curved)
+            .chain(along)
+            .chain(below)
+            .chain(own)
+            .chain(rise)
+            .chain(unseen)
+            .collect()
     }
 }
 
@@ -224,10 +243,10 @@ pub fn structured(
     if let Some(other) = validation.filter(|_| scores.len() > 1) {
         try_on(estimation, other, &mut scores, workers);
     }
-    let Some((choice, mut fit)) = chosen(estimation, &mut scores, &mut refused, units(axis))?
-    else {
+    let Some((choice, fit)) = chosen(estimation, &mut scores, &mut refused, units(axis))? else {
         return Ok(None);
     };
+    let (choice, mut fit, unseen) = without_unseen(estimation, &scores, (choice, fit), units(axis));
     let rivals: Vec<CrossValidation> =
         choice.rivals().filter_map(|rival| scores.get(rival)).cloned().collect();
     fit.heed(estimation, &rivals);
@@ -268,6 +287,7 @@ pub fn structured(
         scores,
         refused,
         choice,
+        unseen,
         fit,
         estimation,
         validation,
@@ -349,6 +369,27 @@ fn chosen(
     }
 }
 
+/// The choice without parts of which the recording shows no parameter, where they help no more than
+/// chance does; and the structures that were left for that.
+fn without_unseen(
+    estimation: &Conditioned,
+    scores: &[CrossValidation],
+    (mut choice, mut fit): (Choice, StructureFit),
+    units: &AxisUnits,
+) -> (Choice, StructureFit, Vec<AxisStructure>) {
+    let mut left = Vec::new();
+    loop {
+        let simpler = fit.without_unseen().find_map(|without| {
+            let choice = choice.among(scores, &without)?;
+            let fit = fit_validated(estimation, scores.get(choice.chosen)?, units).ok()?;
+            Some((choice, fit))
+        });
+        let Some((other, simpler)) = simpler else { return (choice, fit, left) };
+        left.push(std::mem::replace(&mut fit, simpler).structure);
+        choice = other;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use friction_ident::axis_structure::cross_validate;
@@ -415,6 +456,44 @@ mod tests {
         assert!(
             matches!(refused[..], [_, (of, IdentError::NoPosition { .. })] if of == heavy),
             "{refused:?}"
+        );
+    }
+
+    /// The dip of an axis that has none, which predicts by chance a little better.
+    #[test]
+    fn a_dip_that_nothing_is_known_of_is_left_and_that_is_said() {
+        let at = |k: u32| {
+            let t = 1e-3 * f64::from(k);
+            let of = |a: f64, w: f64| {
+                [(w * t).sin(), w * (w * t).cos(), -w * w * (w * t).sin()].map(|x| a * x)
+            };
+            let ([q1, v1, a1], [q2, v2, a2]) = (of(1.0, 2.2), of(0.4, 5.3));
+            let shake = 0.03 * (977.0 * t * t).sin();
+            (q1 + q2, 0.05 * (a1 + a2) + 0.1 * (v1 + v2) + 0.5 * (v1 + v2).signum() + shake)
+        };
+        let (place, force): (Vec<f64>, Vec<f64>) = (0..20_000).map(at).unzip();
+        let signals =
+            Signals { time_step: 1e-3, position: Some(&place), velocity: None, force: &force };
+        let recording = condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap();
+        let [plain, dip] = ["symmetric", "symmetric+stribeck"].map(|name| name.parse().unwrap());
+        let mut scores = [plain, dip].map(|of| cross_validate(&recording, of, 8).unwrap());
+        // As if it predicted better: in half of the blocks.
+        scores[1].blocks = scores[0].blocks.clone();
+        scores[1].blocks.iter_mut().step_by(2).for_each(|block| *block *= 0.9);
+        let units = &AxisUnits::ROTARY;
+        let fit = fit_validated(&recording, &scores[1], units).unwrap();
+        let choice = Choice { chosen: 1, ..choose(&scores).unwrap() };
+        let (choice, fit, unseen) = without_unseen(&recording, &scores, (choice, fit), units);
+        assert_eq!((choice.chosen, fit.structure, &unseen[..]), (0, plain, &[dip][..]));
+        let wanted = StructureChoice::Named(vec![plain]);
+        let (progress, cancel) =
+            (Progress::counting(1, "structures", true), AtomicBool::new(false));
+        let found = structured(&recording, None, &wanted, AxisKind::Rotary, &progress, &cancel);
+        let found = Structured { unseen, ..found.unwrap().unwrap() };
+        let said = found.notes();
+        assert!(
+            said.iter().any(|note| note.starts_with("symmetric+stribeck predicts no better")),
+            "{said:?}"
         );
     }
 
