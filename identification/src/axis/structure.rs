@@ -141,8 +141,8 @@ impl Structured {
         });
         let unseen = self.unseen.iter().map(|other| {
             format!(
-                "{other} predicts no better than {} by more than chance, and the recording shows no parameter of what it has besides: it is left, and the \
-                 intervals reach to both.",
+                "{other} predicts better than {} by no more than chance, and no parameter of what it has besides is clear of its error: it is left out, and \
+                 the intervals reach to both.",
                 self.fit.structure
             )
         });
@@ -492,7 +492,9 @@ mod tests {
         let found = Structured { unseen, ..found.unwrap().unwrap() };
         let said = found.notes();
         assert!(
-            said.iter().any(|note| note.starts_with("symmetric+stribeck predicts no better")),
+            said.iter().any(
+                |note| note.starts_with("symmetric+stribeck predicts better than symmetric by")
+            ),
             "{said:?}"
         );
     }
