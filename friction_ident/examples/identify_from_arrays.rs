@@ -34,8 +34,13 @@ fn recorded() -> (Vec<f64>, Vec<f64>) {
 pub fn main() -> Result<(), IdentError> {
     let (position, torque) = recorded();
     // Velocity and acceleration come from the position, through filters without phase shift.
-    let signals =
-        Signals { time_step: TIME_STEP, position: Some(&position), velocity: None, force: &torque };
+    let signals = Signals {
+        time_step: TIME_STEP,
+        position: Some(&position),
+        readings: None,
+        velocity: None,
+        force: &torque,
+    };
     let conditioned = condition(&signals, &Conditioning::for_time_step(TIME_STEP))?;
     let fit = fit_axis(&conditioned, AxisModel::SYMMETRIC)?;
     for term in &fit.terms {

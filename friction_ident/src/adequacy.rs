@@ -324,8 +324,13 @@ mod tests {
                 + 0.1 * rng.sample::<f64, _>(StandardNormal)
         };
         let force: Vec<f64> = time().zip(&place).map(torque).collect();
-        let signals =
-            Signals { time_step: 1e-3, position: Some(&place), velocity: None, force: &force };
+        let signals = Signals {
+            time_step: 1e-3,
+            position: Some(&place),
+            readings: None,
+            velocity: None,
+            force: &force,
+        };
         let recording = condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap();
         let fit = fit_axis(&recording, AxisModel::SYMMETRIC).unwrap();
         doubts(&fit.predict(&recording).unwrap(), &recording)

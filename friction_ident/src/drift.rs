@@ -111,8 +111,13 @@ mod tests {
                 (0.8 * sin, 0.1 * a + friction + 0.2 + grows * t / length + noise)
             })
             .unzip();
-        let signals =
-            Signals { time_step: dt, position: Some(&place), velocity: None, force: &force };
+        let signals = Signals {
+            time_step: dt,
+            position: Some(&place),
+            readings: None,
+            velocity: None,
+            force: &force,
+        };
         let recording = condition(&signals, &Conditioning::for_time_step(dt)).unwrap();
         let fit = fit_axis(&recording, AxisModel::SYMMETRIC).unwrap();
         let viscous = fit.value(AxisTerm::Viscous);

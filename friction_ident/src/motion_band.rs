@@ -269,7 +269,13 @@ mod tests {
     }
 
     fn inertia(how: &Conditioning, position: &[f64], force: &[f64]) -> f64 {
-        let signals = Signals { time_step: DT, position: Some(position), velocity: None, force };
+        let signals = Signals {
+            time_step: DT,
+            position: Some(position),
+            readings: None,
+            velocity: None,
+            force,
+        };
         let fit = fit_axis(&condition(&signals, how).unwrap(), AxisModel::SYMMETRIC).unwrap();
         fit.value(crate::axis_term::AxisTerm::Inertia)
     }
@@ -280,8 +286,13 @@ mod tests {
         for counts in [1024.0, 4096.0, 16384.0] {
             let (position, force) = slow_axis(counts);
             let usual = inertia(&Conditioning::for_time_step(DT), &position, &force);
-            let signals =
-                Signals { time_step: DT, position: Some(&position), velocity: None, force: &force };
+            let signals = Signals {
+                time_step: DT,
+                position: Some(&position),
+                readings: None,
+                velocity: None,
+                force: &force,
+            };
             let how = Conditioning::for_motion(DT, &[signals]);
             let found = inertia(&how, &position, &force);
             assert!((found / 0.3 - 1.0).abs() < 0.01, "{counts}: {found}, {how:?}");
@@ -305,8 +316,13 @@ mod tests {
                 (q, 0.02 * a + 0.1 * v)
             })
             .unzip();
-        let signals =
-            Signals { time_step: dt, position: Some(&position), velocity: None, force: &force };
+        let signals = Signals {
+            time_step: dt,
+            position: Some(&position),
+            readings: None,
+            velocity: None,
+            force: &force,
+        };
         let how = Conditioning::for_motion(dt, &[signals]);
         let fit = fit_axis(&condition(&signals, &how).unwrap(), AxisModel::SYMMETRIC).unwrap();
         let found = fit.value(crate::axis_term::AxisTerm::Inertia);
@@ -328,8 +344,13 @@ mod tests {
                 (q, 0.3 * a)
             })
             .unzip();
-        let signals =
-            Signals { time_step: dt, position: Some(&position), velocity: None, force: &force };
+        let signals = Signals {
+            time_step: dt,
+            position: Some(&position),
+            readings: None,
+            velocity: None,
+            force: &force,
+        };
         let how = Conditioning::for_motion(dt, &[signals]);
         let usual = Conditioning::for_time_step(dt);
         assert!(how.cutoff > 15.0, "{how:?}");
@@ -348,8 +369,13 @@ mod tests {
     #[test]
     fn a_fine_encoder_changes_nothing() {
         let (position, force) = slow_axis(f64::from(1 << 24));
-        let signals =
-            Signals { time_step: DT, position: Some(&position), velocity: None, force: &force };
+        let signals = Signals {
+            time_step: DT,
+            position: Some(&position),
+            readings: None,
+            velocity: None,
+            force: &force,
+        };
         let usual = Conditioning::for_time_step(DT);
         assert_eq!(Conditioning::for_motion(DT, &[signals]), usual);
         assert_eq!(Conditioning::for_motion(DT, &[]), usual);
@@ -378,8 +404,13 @@ mod tests {
                 (q, 0.1 * way * a + 0.2 * way * v + 0.5 * moves)
             })
             .unzip();
-        let signals =
-            Signals { time_step: dt, position: Some(&position), velocity: None, force: &force };
+        let signals = Signals {
+            time_step: dt,
+            position: Some(&position),
+            readings: None,
+            velocity: None,
+            force: &force,
+        };
         let how = Conditioning::for_motion(dt, &[signals]);
         let (moving, rest) = condition(&signals, &how).unwrap().moving().unwrap();
         assert!(rest.out > 10.0 && rest.out < 25.0, "{rest:?}, {how:?}");
@@ -402,14 +433,24 @@ mod tests {
                 .unzip()
         };
         let how = |position: &[f64], force: &[f64]| {
-            let signals =
-                Signals { time_step: dt, position: Some(position), velocity: None, force };
+            let signals = Signals {
+                time_step: dt,
+                position: Some(position),
+                readings: None,
+                velocity: None,
+                force,
+            };
             (Conditioning::for_motion(dt, &[signals]), signals.force.len())
         };
         let (position, force) = record(150);
         let (short, _) = how(&position, &force);
-        let signals =
-            Signals { time_step: dt, position: Some(&position), velocity: None, force: &force };
+        let signals = Signals {
+            time_step: dt,
+            position: Some(&position),
+            readings: None,
+            velocity: None,
+            force: &force,
+        };
         let fit = fit_axis(&condition(&signals, &short).unwrap(), AxisModel::SYMMETRIC).unwrap();
         let found = fit.value(crate::axis_term::AxisTerm::Coulomb);
         assert!((found / 0.5 - 1.0).abs() < 0.2, "{found}, {short:?}");

@@ -58,7 +58,13 @@ fn recorded(seed: u64, seconds: f64, beside: Beside) -> AxisFit {
         place.push(q);
         force.push(2.0 * a + 1.5 * v + 3.0 * v.signum() + 0.4 + extra);
     }
-    let signals = Signals { time_step: DT, position: Some(&place), velocity: None, force: &force };
+    let signals = Signals {
+        time_step: DT,
+        position: Some(&place),
+        readings: None,
+        velocity: None,
+        force: &force,
+    };
     let recording = condition(&signals, &Conditioning::for_time_step(DT)).unwrap();
     fit_axis(&recording, AxisModel::SYMMETRIC).unwrap()
 }

@@ -32,7 +32,8 @@ fn columns(file: PathBuf) -> Vec<Vec<f64>> {
 }
 
 fn conditioned(dt: f64, place: &[f64], force: &[f64]) -> Conditioned {
-    let signals = Signals { time_step: dt, position: Some(place), velocity: None, force };
+    let signals =
+        Signals { time_step: dt, position: Some(place), readings: None, velocity: None, force };
     condition(&signals, &Conditioning::for_time_step(dt)).unwrap()
 }
 

@@ -48,6 +48,10 @@ pub fn joined(recordings: Vec<Recording>) -> Result<Option<Recording>, Recording
         }
         let samples = all.samples();
         let start = all.duration() + here;
+        if all.readings.is_some() || next.readings.is_some() {
+            let read = |of: &Recording| of.readings.clone().or_else(|| of.position.clone());
+            all.readings = both(read(&all), read(&next));
+        }
         all.position = both(all.position, next.position);
         all.velocity = both(all.velocity, next.velocity);
         if all.position.is_none() && all.velocity.is_none() {
@@ -90,6 +94,7 @@ mod tests {
             path: name.into(),
             time_step: 0.01,
             position: position.then(|| vec![0.5; samples]),
+            readings: None,
             velocity: Some(vec![1.0; samples]),
             force: vec![2.0; samples],
             stretches: RecordedStretch::whole(samples),

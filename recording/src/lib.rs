@@ -192,6 +192,9 @@ pub struct Recording {
     pub time_step: f64,
     /// Position \[m or rad\].
     pub position: Option<Vec<f64>>,
+    /// Position as its sensor gave it \[m or rad\], where the samples were brought to another rate
+    /// and `position` went through a low-pass for that: it shows where the axis sticks.
+    pub readings: Option<Vec<f64>>,
     /// Velocity \[m/s or rad/s\]; used in place of the position where given.
     pub velocity: Option<Vec<f64>>,
     /// Force \[N\] or torque \[N m\].
@@ -229,6 +232,13 @@ impl Recording {
 /// quantiser.
 fn all_stretches(timing: &Timing, recorded: &[f64], step: Option<f64>) -> Vec<f64> {
     timing.stretches.iter().flat_map(|stretch| stretch.channel(recorded, step)).collect()
+}
+
+/// The readings of a position on the even grid, where that is not what [`position_of`] gives.
+fn readings_of(timing: &Timing, recorded: &[f64]) -> Option<Vec<f64>> {
+    let step = friction_ident::quantiser::step_of(recorded);
+    let of = timing.stretches.iter().map(|stretch| stretch.unfiltered(recorded, step));
+    Some(of.collect::<Option<Vec<_>>>()?.concat())
 }
 
 /// A position on the even grid. That of an encoder keeps to its counts.

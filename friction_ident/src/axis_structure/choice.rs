@@ -6,7 +6,7 @@ use super::cross_validation::{CrossValidation, FirstSpeeds, sum_error};
 use crate::statistics::student_95_of;
 
 /// Share of the best error by which another may be larger and still count as alike.
-const ALIKE: f64 = 0.05;
+pub(super) const ALIKE: f64 = 0.05;
 /// The same share up to which fewer parameters are preferred: what is alike beyond it still has a
 /// say in the intervals.
 const PREFERRED: f64 = 0.025;

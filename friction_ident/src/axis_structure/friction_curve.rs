@@ -154,8 +154,13 @@ mod tests {
         let time: Vec<f64> = (0..2000).map(|k| f64::from(k) * 1e-3).collect();
         let position: Vec<f64> = time.iter().map(|t| 0.3 * (4.0 * t).sin()).collect();
         let force = vec![1.0; time.len()];
-        let signals =
-            Signals { time_step: 1e-3, position: Some(&position), velocity: None, force: &force };
+        let signals = Signals {
+            time_step: 1e-3,
+            position: Some(&position),
+            readings: None,
+            velocity: None,
+            force: &force,
+        };
         let how = Conditioning {
             differences: Differences::SecondOrder,
             ..Conditioning::for_time_step(1e-3)
@@ -246,8 +251,13 @@ mod tests {
             let angle = |k: f64| 4.0 * (k * dt - 0.03) + std::f64::consts::FRAC_PI_2;
             let position: Vec<f64> = (0..count).map(|k| 0.3 * angle(k as f64).sin()).collect();
             let force = vec![1.0; count];
-            let signals =
-                Signals { time_step: dt, position: Some(&position), velocity: None, force: &force };
+            let signals = Signals {
+                time_step: dt,
+                position: Some(&position),
+                readings: None,
+                velocity: None,
+                force: &force,
+            };
             let trim = (0.05 / dt) as usize;
             let how = Conditioning { trim, decimate, ..Conditioning::for_time_step(dt) };
             let fine = condition(&signals, &how).unwrap();

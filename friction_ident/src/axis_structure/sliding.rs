@@ -256,8 +256,13 @@ mod tests {
                 q += v * dt;
             }
             let time_step = dt * every as f64;
-            let signals =
-                Signals { time_step, position: Some(&place), velocity: None, force: &force };
+            let signals = Signals {
+                time_step,
+                position: Some(&place),
+                readings: None,
+                velocity: None,
+                force: &force,
+            };
             let how = Conditioning::for_motion(time_step, &[signals]);
             let mut found = condition(&signals, &how).unwrap();
             // Its short sticks stay in it, as where the position is not that of an encoder.

@@ -36,8 +36,13 @@ fn axis(friction: impl Fn(f64) -> f64, delay: f64, noise: f64) -> Conditioned {
                 + noise * rng.sample::<f64, _>(StandardNormal)
         })
         .collect();
-    let signals =
-        Signals { time_step: 1e-3, position: Some(&place), velocity: None, force: &force };
+    let signals = Signals {
+        time_step: 1e-3,
+        position: Some(&place),
+        readings: None,
+        velocity: None,
+        force: &force,
+    };
     condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap()
 }
 
@@ -60,8 +65,13 @@ pub(super) fn three_tones(
         position.push(q);
         force.push(force_at(k, v, a));
     }
-    let signals =
-        Signals { time_step: 1e-3, position: Some(&position), velocity: None, force: &force };
+    let signals = Signals {
+        time_step: 1e-3,
+        position: Some(&position),
+        readings: None,
+        velocity: None,
+        force: &force,
+    };
     condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap()
 }
 
@@ -384,7 +394,13 @@ fn a_bristle_keeps_its_deflection_while_the_axis_rests() {
         );
         q += v * dt;
     }
-    let signals = Signals { time_step: dt, position: Some(&place), velocity: None, force: &force };
+    let signals = Signals {
+        time_step: dt,
+        position: Some(&place),
+        readings: None,
+        velocity: None,
+        force: &force,
+    };
     let recording = condition(&signals, &Conditioning::for_time_step(dt)).unwrap();
     let (moving, rest) = recording.moving().unwrap();
     assert!(rest.out > 10.0, "{rest:?}");
@@ -409,7 +425,13 @@ fn a_force_that_lags_beyond_the_search_leaves_no_inertia() {
         place.push(position(t));
         force.push(recorded + 0.02 * rng.sample::<f64, _>(StandardNormal));
     }
-    let signals = Signals { time_step: dt, position: Some(&place), velocity: None, force: &force };
+    let signals = Signals {
+        time_step: dt,
+        position: Some(&place),
+        readings: None,
+        velocity: None,
+        force: &force,
+    };
     let recording = condition(&signals, &Conditioning::for_time_step(dt)).unwrap();
     let fit = fit_structure(&recording, structure("symmetric+delay"), &AxisUnits::LINEAR).unwrap();
     for name in ["inertia", "f_c", "f_v"] {
@@ -461,7 +483,13 @@ pub(super) fn damped_bristle() -> Conditioned {
                 + 0.05 * rng.sample::<f64, _>(StandardNormal),
         );
     }
-    let signals = Signals { time_step: dt, position: Some(&place), velocity: None, force: &force };
+    let signals = Signals {
+        time_step: dt,
+        position: Some(&place),
+        readings: None,
+        velocity: None,
+        force: &force,
+    };
     condition(&signals, &Conditioning::for_time_step(dt)).unwrap()
 }
 
@@ -513,7 +541,13 @@ fn sampled_lugre(f_s: f64, slower: u32) -> Conditioned {
             force.push(INERTIA * acceleration(t + 0.5 * fine) + friction + noise);
         }
     }
-    let signals = Signals { time_step: dt, position: Some(&place), velocity: None, force: &force };
+    let signals = Signals {
+        time_step: dt,
+        position: Some(&place),
+        readings: None,
+        velocity: None,
+        force: &force,
+    };
     condition(&signals, &Conditioning::for_time_step(dt)).unwrap()
 }
 
@@ -594,7 +628,13 @@ fn from_rest(begin: f64, seed: u64) -> Conditioned {
         let v = 0.2 * rate * s;
         z = v.signum() + (z - v.signum()) * (-v.abs() * fine / 0.02).exp();
     }
-    let signals = Signals { time_step: dt, position: Some(&place), velocity: None, force: &force };
+    let signals = Signals {
+        time_step: dt,
+        position: Some(&place),
+        readings: None,
+        velocity: None,
+        force: &force,
+    };
     let conditioned = condition(&signals, &Conditioning::for_time_step(dt)).unwrap();
     conditioned.moving().unwrap().0
 }
@@ -666,7 +706,13 @@ fn prompt() -> Conditioned {
         let way = velocity(t + 0.5 * dt);
         z = way.signum() + (z - way.signum()) * (-way.abs() * dt / REACH).exp();
     }
-    let signals = Signals { time_step: dt, position: Some(&place), velocity: None, force: &force };
+    let signals = Signals {
+        time_step: dt,
+        position: Some(&place),
+        readings: None,
+        velocity: None,
+        force: &force,
+    };
     condition(&signals, &Conditioning::for_time_step(dt)).unwrap()
 }
 

@@ -4,7 +4,7 @@
 //! predicts anything elsewhere. Where leaving it out costs no more than chance, the structure without
 //! it is the one to use, and what the other says still counts for the intervals.
 
-use super::choice::{Choice, choose};
+use super::choice::{ALIKE, Choice, choose};
 use super::cross_validation::{CrossValidation, sum_error};
 use super::fit::StructureFit;
 use super::{AxisStructure, FirstSpeeds, doubts};
@@ -53,8 +53,8 @@ impl StructureFit {
 
 impl Choice {
     /// The choice among those of `scores` that have no more around rest than `most`, where its error is
-    /// larger than that of the chosen one by no more than chance, and by a tenth at most; what it is
-    /// better than is in the ranking as before.
+    /// larger than that of the chosen one by no more than chance, and by a tenth at most, and another
+    /// recording is not predicted clearly worse; what it is better than is in the ranking as before.
     pub fn among(&self, scores: &[CrossValidation], most: &AxisStructure) -> Option<Self> {
         let fits = |own: &AxisStructure| {
             (most.stribeck || !own.stribeck)
@@ -73,7 +73,12 @@ impl Choice {
             student_95_of(difference.len().saturating_sub(1) as f64) * sum_error(&difference);
         // Sums of squares: the square of the larger error.
         let most = ((1.0 + MOST).powi(2) - 1.0) * own_sum;
-        let is_as_good = difference.iter().sum::<f64>() <= chance.min(most);
+        // What another recording bears out is there, whatever nobody knows of it.
+        let [own, other] = [self.chosen, chosen].map(|index| scores[index].elsewhere.as_ref());
+        let borne_out = own
+            .zip(other)
+            .is_some_and(|(own, other)| other.relative_error > (1.0 + ALIKE) * own.relative_error);
+        let is_as_good = difference.iter().sum::<f64>() <= chance.min(most) && !borne_out;
         let rises = scores[chosen].first_speeds != FirstSpeeds::Plausible;
         is_as_good.then(|| Self {
             chosen,
@@ -85,9 +90,9 @@ impl Choice {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Shape;
     use super::super::tests::stribeck_axis;
     use super::super::{AxisUnits, fit_structure};
+    use super::super::{Elsewhere, Shape};
     use super::*;
     use crate::conditioning::{Conditioned, Conditioning, Signals, condition};
 
@@ -123,8 +128,13 @@ mod tests {
         };
         let (place, force): (Vec<f64>, Vec<f64>) = (0..20_000).map(at).unzip();
         let force: Vec<f64> = force.iter().map(|f| f + 0.1 * (rng.random::<f64>() - 0.5)).collect();
-        let signals =
-            Signals { time_step: 1e-3, position: Some(&place), velocity: None, force: &force };
+        let signals = Signals {
+            time_step: 1e-3,
+            position: Some(&place),
+            readings: None,
+            velocity: None,
+            force: &force,
+        };
         condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap()
     }
 
@@ -154,6 +164,24 @@ mod tests {
         assert_eq!(chosen([0.0105, 0.0208, 0.0146, 0.0123]), Some((0, vec![1])));
         assert_eq!(chosen([0.0105, 0.0210, 0.0157, 0.0126]), None, "in each by the same share");
         assert_eq!(chosen([0.010, 0.020, 0.035, 0.012]), None, "uncertain because it is large");
+        let there = |structure, blocks, error: f64| {
+            let elsewhere = Elsewhere {
+                blocks: vec![error * error / 4.0; 4],
+                force_power: 1.0,
+                relative_error: 100.0 * error,
+                rows: 4,
+            };
+            CrossValidation { elsewhere: Some(elsewhere), ..score(structure, blocks) }
+        };
+        let tried = |plain: f64| {
+            let scores = [
+                there(AxisStructure::SYMMETRIC, [0.0105, 0.0208, 0.0146, 0.0123], plain),
+                there(DIP, with, 0.10),
+            ];
+            let choice = Choice { chosen: 1, ..choose(&scores).unwrap() };
+            choice.among(&scores, &AxisStructure::SYMMETRIC).map(|choice| choice.chosen)
+        };
+        assert_eq!((tried(0.101), tried(0.11)), (Some(0), None), "another recording bears it out");
         let alone = [score(DIP, with)];
         let choice = choose(&alone).unwrap();
         assert_eq!(choice.among(&alone, &AxisStructure::SYMMETRIC), None, "there is no other");

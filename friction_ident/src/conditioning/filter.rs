@@ -13,6 +13,9 @@ pub struct Signals<'a> {
     pub time_step: f64,
     /// Position \[m or rad\].
     pub position: Option<&'a [f64]>,
+    /// Position as its sensor gave it, where `position` went through a low-pass before: it shows
+    /// where the axis sticks.
+    pub readings: Option<&'a [f64]>,
     /// Velocity \[m/s or rad/s\]; the position is not used where this is given.
     pub velocity: Option<&'a [f64]>,
     /// Driving force \[N\] or torque \[N m\].
@@ -44,6 +47,7 @@ pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, I
     let n = signals.force.len();
     let channels = [
         ("the position", signals.position),
+        ("the position as it was read", signals.readings),
         ("the velocity", signals.velocity),
         ("the force", Some(signals.force)),
     ];
@@ -83,7 +87,7 @@ pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, I
     let all = 0..kept.len();
     let way = first_way(&velocity, velocity_floor);
     let origin = kept.clone();
-    let readings = signals.position.unwrap_or_default();
+    let readings = signals.readings.or(signals.position).unwrap_or_default();
     let step = smallest_step(readings);
     let spread = REACH / how.cutoff.min(how.acceleration_cutoff);
     let reach = [REACH, RINGS].map(|periods| (spread * periods / REACH / dt).round() as usize);

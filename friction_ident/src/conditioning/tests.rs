@@ -5,7 +5,7 @@ use crate::IdentError;
 use proptest::prelude::*;
 
 fn signals<'a>(position: &'a [f64], force: &'a [f64]) -> Signals<'a> {
-    Signals { time_step: 1e-3, position: Some(position), velocity: None, force }
+    Signals { time_step: 1e-3, position: Some(position), readings: None, velocity: None, force }
 }
 
 const HOW: Conditioning = Conditioning {
@@ -61,6 +61,7 @@ fn a_given_velocity_is_used() {
     let given = Signals {
         time_step: 1e-3,
         position: Some(&zeros),
+        readings: None,
         velocity: Some(&velocity),
         force: &zeros,
     };
@@ -87,7 +88,8 @@ fn degenerate_recordings_are_refused() {
         condition(&signals(&broken, &ok), &HOW),
         Err(IdentError::NotFinite { channel: "the position", index: 7, .. })
     ));
-    let no_motion = Signals { time_step: 1e-3, position: None, velocity: None, force: &ok };
+    let no_motion =
+        Signals { time_step: 1e-3, position: None, readings: None, velocity: None, force: &ok };
     assert!(matches!(condition(&no_motion, &HOW), Err(IdentError::NoMotion)));
     let no_time = Signals { time_step: 0.0, ..signals(&ok, &ok) };
     assert!(matches!(condition(&no_time, &HOW), Err(IdentError::TimeStep(_))));
@@ -165,6 +167,21 @@ fn short_sticks_are_left_out_where_an_encoder_shows_them() {
     assert_eq!((rest.sticks, rest.kept), (rest.out, 0.0));
     assert!((25..=30).contains(&found.pieces.len()), "{}", found.pieces.len());
     assert_eq!(moving(&read(0.0, 0.7)).1, Rest::default());
+    // Behind a low-pass no reading stays, as where uneven samples were brought to an even rate.
+    let readings = read(0.1, 0.7);
+    let smooth: Vec<f64> = (0..readings.len())
+        .map(|k| {
+            let near = &readings[k.saturating_sub(1)..(k + 2).min(readings.len())];
+            near.iter().sum::<f64>() / near.len() as f64 + 1e-7 * (0.3 * k as f64).sin()
+        })
+        .collect();
+    let with = |readings| {
+        let signals = Signals { time_step: 1e-2, readings, ..signals(&smooth, &smooth) };
+        let how = Conditioning::for_time_step(1e-2);
+        condition(&signals, &how).unwrap().moving().unwrap().1
+    };
+    assert_eq!(with(None).sticks, 0.0);
+    assert_eq!(with(Some(&readings)).sticks, rest.sticks);
     // Where too little is left between them they stay in, and their time is told.
     let (found, rest) = moving(&read(0.1, 0.15));
     assert_eq!((found.pieces.len(), rest.out, rest.sticks), (1, 0.0, 0.0));

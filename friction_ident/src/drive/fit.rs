@@ -67,7 +67,7 @@ pub fn fit_drive<'a>(
 ) -> Result<DriveFit, IdentError> {
     let signals = |stretch: &DriveRecording<'a>| {
         let DriveRecording { start, time_step, voltage, position, velocity, .. } = *stretch;
-        (start, Signals { time_step, position, velocity, force: voltage })
+        (start, Signals { time_step, position, readings: None, velocity, force: voltage })
     };
     let conditioned = condition_stretches(&recording.iter().map(signals).collect::<Vec<_>>(), how)?;
     let friction: Option<Vec<&[f64]>> = recording.iter().map(|stretch| stretch.friction).collect();

@@ -75,6 +75,7 @@ mod tests {
             let signals = Signals {
                 time_step: 5e-3,
                 position: Some(&position),
+                readings: None,
                 velocity: None,
                 force: &force,
             };
@@ -110,8 +111,13 @@ mod tests {
                 )
             })
             .unzip();
-        let signals =
-            Signals { time_step: 5e-3, position: Some(&position), velocity: None, force: &force };
+        let signals = Signals {
+            time_step: 5e-3,
+            position: Some(&position),
+            readings: None,
+            velocity: None,
+            force: &force,
+        };
         let how = Conditioning::for_time_step(5e-3);
         assert!(!low_pass_of_the_force_helps(&[(0.0, signals)], &how));
     }

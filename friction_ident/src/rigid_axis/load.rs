@@ -164,8 +164,13 @@ mod tests {
                     + rng.sample::<f64, _>(StandardNormal)
             })
             .collect();
-        let signals =
-            Signals { time_step: 1e-3, position: Some(&place), velocity: None, force: &force };
+        let signals = Signals {
+            time_step: 1e-3,
+            position: Some(&place),
+            readings: None,
+            velocity: None,
+            force: &force,
+        };
         condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap()
     }
 

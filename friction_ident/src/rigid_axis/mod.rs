@@ -273,7 +273,7 @@ impl AxisFit {
 ///     .map(|t| (6.28 * t).sin_cos())
 ///     .map(|(sin, cos)| (sin, 3.0 * -6.28 * 6.28 * sin + 5.0 * cos.signum()))
 ///     .unzip();
-/// let signals = Signals { time_step: 1e-3, position: Some(&position), velocity: None, force: &force };
+/// let signals = Signals { time_step: 1e-3, position: Some(&position), readings: None, velocity: None, force: &force };
 /// let conditioned = condition(&signals, &Conditioning::for_time_step(1e-3))?;
 /// let fit = fit_axis(&conditioned, AxisModel::SYMMETRIC)?;
 /// assert!((fit.value(AxisTerm::Inertia) - 3.0).abs() < 0.01);

@@ -31,7 +31,13 @@ fn record(motion: &[(f64, f64, f64)], force: impl Fn(f64, f64) -> f64) -> Condit
     let position: Vec<_> = motion.iter().map(|m| m.0).collect();
     let force: Vec<_> = motion.iter().map(|&(_, v, a)| force(v, a)).collect();
     condition(
-        &Signals { time_step: DT, position: Some(&position), velocity: None, force: &force },
+        &Signals {
+            time_step: DT,
+            position: Some(&position),
+            readings: None,
+            velocity: None,
+            force: &force,
+        },
         &HOW,
     )
     .unwrap()

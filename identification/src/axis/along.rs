@@ -118,8 +118,13 @@ mod tests {
         };
         let place: Vec<f64> = time().map(at).collect();
         let force: Vec<f64> = time().map(force).collect();
-        let signals =
-            Signals { time_step: 1e-3, position: Some(&place), velocity: None, force: &force };
+        let signals = Signals {
+            time_step: 1e-3,
+            position: Some(&place),
+            readings: None,
+            velocity: None,
+            force: &force,
+        };
         let recording = condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap();
         let fit = |name: &str| {
             let units = units(AxisKind::Linear);

@@ -350,6 +350,7 @@ pub(crate) fn channels(recording: &Recording) -> Vec<(f64, Signals<'_>)> {
         let signals = Signals {
             time_step: recording.time_step,
             position: recording.position.as_deref().map(|all| &all[stretch.samples.clone()]),
+            readings: recording.readings.as_deref().map(|all| &all[stretch.samples.clone()]),
             velocity: recording.velocity.as_deref().map(|all| &all[stretch.samples.clone()]),
             force: &recording.force[stretch.samples.clone()],
         };

@@ -123,8 +123,13 @@ mod tests {
             place.push(x);
             force.push(INERTIA * a + 0.05 * v + 0.1 * z);
         }
-        let signals =
-            Signals { time_step: dt, position: Some(&place), velocity: None, force: &force };
+        let signals = Signals {
+            time_step: dt,
+            position: Some(&place),
+            readings: None,
+            velocity: None,
+            force: &force,
+        };
         let recording = condition(&signals, &Conditioning::for_time_step(dt)).unwrap();
         let fit = fit_axis(&recording, AxisModel::SYMMETRIC).unwrap();
         let mut prediction = fit.predict(&recording).unwrap();

@@ -414,8 +414,13 @@ mod tests {
         let time = || (0..20_000).map(|k| 1e-3 * f64::from(k));
         let place: Vec<f64> = time().map(|t| at(t).0).collect();
         let force: Vec<f64> = time().map(|t| at(t - 8e-3).1).collect();
-        let signals =
-            Signals { time_step: 1e-3, position: Some(&place), velocity: None, force: &force };
+        let signals = Signals {
+            time_step: 1e-3,
+            position: Some(&place),
+            readings: None,
+            velocity: None,
+            force: &force,
+        };
         let recording = condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap();
         let [simple, late] = ["symmetric", "symmetric+delay"].map(|name| name.parse().unwrap());
         let wanted = StructureChoice::Named(vec![late]);
@@ -472,8 +477,13 @@ mod tests {
             (q1 + q2, 0.05 * (a1 + a2) + 0.1 * (v1 + v2) + 0.5 * (v1 + v2).signum() + shake)
         };
         let (place, force): (Vec<f64>, Vec<f64>) = (0..20_000).map(at).unzip();
-        let signals =
-            Signals { time_step: 1e-3, position: Some(&place), velocity: None, force: &force };
+        let signals = Signals {
+            time_step: 1e-3,
+            position: Some(&place),
+            readings: None,
+            velocity: None,
+            force: &force,
+        };
         let recording = condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap();
         let [plain, dip] = ["symmetric", "symmetric+stribeck"].map(|name| name.parse().unwrap());
         let mut scores = [plain, dip].map(|of| cross_validate(&recording, of, 8).unwrap());

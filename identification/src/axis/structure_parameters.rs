@@ -218,8 +218,13 @@ mod tests {
             5.0 * a + if v > 0.0 { 6.0 + 9.0 * v } else { -8.0 + 12.0 * v }
         };
         let force: Vec<f64> = time().map(force).collect();
-        let signals =
-            Signals { time_step: 1e-3, position: Some(&place), velocity: None, force: &force };
+        let signals = Signals {
+            time_step: 1e-3,
+            position: Some(&place),
+            readings: None,
+            velocity: None,
+            force: &force,
+        };
         condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap()
     }
 

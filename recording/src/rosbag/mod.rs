@@ -45,6 +45,7 @@ pub fn read(
         None => (format!("velocity{of}"), format!("effort{of}")),
     };
     let position = track.position.as_ref().map(|position| super::position_of(&timing, position));
+    let readings = track.position.as_ref().and_then(|read| super::readings_of(&timing, read));
     let moved = track.velocity.as_ref();
     Ok(Recording {
         path: path.into(),
@@ -62,6 +63,7 @@ pub fn read(
             force: source(&force),
         },
         position,
+        readings,
         beside: beside.clone(),
     })
 }

@@ -81,6 +81,7 @@ fn parse<'a>(
     Ok(Recording {
         path: path.into(),
         time_step: timing.stretches[0].time_step,
+        readings: rows.position.as_ref().and_then(|read| super::readings_of(&timing, read)),
         position: rows.position.map(|position| super::position_of(&timing, &position)),
         velocity: rows.velocity.map(|velocity| super::all_stretches(&timing, &velocity, None)),
         force: super::all_stretches(&timing, &rows.force, None),

@@ -78,4 +78,14 @@ impl EvenStretch {
             Places::Resampled(uneven) => uneven.channel(recorded, step),
         }
     }
+
+    /// A channel as its sensor gave it, without the low-pass that bringing it to another rate needs;
+    /// none where there is no such low-pass.
+    #[must_use]
+    pub fn unfiltered(&self, recorded: &[f64], step: Option<f64>) -> Option<Vec<f64>> {
+        match &self.places {
+            Places::Grid(_) => None,
+            Places::Resampled(uneven) => Some(uneven.unfiltered(recorded, step)),
+        }
+    }
 }

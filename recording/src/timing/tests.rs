@@ -267,6 +267,28 @@ fn what_the_new_rate_cannot_hold_is_filtered_and_said() {
     assert!(said.contains("brought to 40 Hz") && said.contains("ends at 16 Hz"), "{said}");
 }
 
+/// A stranger's encoder was read unevenly. Behind the low-pass no reading stayed where it was:
+/// none of its sticks was seen, and their samples held three quarters of the residual.
+#[test]
+fn what_stays_goes_on_to_stay_before_the_low_pass() {
+    const COUNT: f64 = 1e-3;
+    let time = jittered(2000);
+    // A step every second, within 0.6 s.
+    let at = |t: f64| t.floor() + (t.fract() / 0.6).min(1.0);
+    let read: Vec<f64> = time.iter().map(|t| (at(*t) / COUNT).floor() * COUNT).collect();
+    let found = at_rate(&time, 100.0);
+    let stretch = &found.stretches[0];
+    let unfiltered = stretch.unfiltered(&read, Some(COUNT)).unwrap();
+    assert_eq!(unfiltered.len(), stretch.len());
+    let stays = |channel: &[f64]| channel.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    let of = stretch.len() as f64;
+    let (raw, filtered) = (stays(&unfiltered) as f64, stays(&stretch.channel(&read, Some(COUNT))));
+    assert!((0.33..0.45).contains(&(raw / of)), "{raw} of {of}");
+    assert!((filtered as f64) < 0.05 * of, "{filtered} of {of}");
+    assert!(unfiltered.iter().all(|x| (x / COUNT - (x / COUNT).round()).abs() < 1e-6), "counts");
+    assert_eq!(timing(&cycles(50)).stretches[0].unfiltered(&read, None), None);
+}
+
 #[test]
 fn gaps_split_what_is_resampled_and_rates_out_of_range_are_refused() {
     let mut time = jittered(1000);

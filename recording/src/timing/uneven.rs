@@ -46,9 +46,22 @@ impl Uneven {
         self.read(|node| value(self.nodes[node].0), step.filter(|_| self.factor == 1))
     }
 
+    /// The same without the low-pass: what stays the same goes on to stay the same.
+    pub fn unfiltered(&self, recorded: &[f64], step: Option<f64>) -> Vec<f64> {
+        let value = |index: usize| recorded.get(index).copied().unwrap_or_default();
+        let dense = self.between(|node| value(self.nodes[node].0), step);
+        dense.into_iter().step_by(self.factor).collect()
+    }
+
     fn read(&self, value: impl Fn(usize) -> f64, step: Option<f64>) -> Vec<f64> {
+        // It was tried when this was made.
+        decimate(&self.between(value, step), self.factor).unwrap_or_default()
+    }
+
+    /// The dense grid, along straight lines.
+    fn between(&self, value: impl Fn(usize) -> f64, step: Option<f64>) -> Vec<f64> {
         let (mut node, last) = (0, self.nodes.len() - 1);
-        let dense: Vec<f64> = (0..self.points)
+        (0..self.points)
             .map(|point| {
                 let now = point as f64 * self.dense;
                 while node + 1 < last && self.nodes[node + 1].1 <= now {
@@ -60,9 +73,7 @@ impl Uneven {
                 let between = part * (value(node + 1) - here);
                 here + step.map_or(between, |step| (between / step).round() * step)
             })
-            .collect();
-        // It was tried when this was made.
-        decimate(&dense, self.factor).unwrap_or_default()
+            .collect()
     }
 
     /// What becomes of white noise on the samples, by trying it.

@@ -288,6 +288,7 @@ fn with_motion(rows: &[[f64; 3]], seed: u64) {
     let signals = Signals {
         time_step: if seed % 7 == 6 { NUMBERS[seed as usize % NUMBERS.len()] } else { 0.02 },
         position: (!by_velocity).then_some(&position),
+        readings: None,
         velocity: by_velocity.then_some(&velocity),
         force: &force,
     };

@@ -25,8 +25,13 @@ fn signals(file: &Path) -> (Vec<f64>, Vec<f64>) {
 
 fn load(file: &Path) -> Conditioned {
     let (position, force) = signals(file);
-    let signals =
-        Signals { time_step: 1e-3, position: Some(&position), velocity: None, force: &force };
+    let signals = Signals {
+        time_step: 1e-3,
+        position: Some(&position),
+        readings: None,
+        velocity: None,
+        force: &force,
+    };
     condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap()
 }
 

@@ -32,8 +32,13 @@ fn load(file: &Path) -> Conditioned {
     let rows = rows(file);
     let position: Vec<_> = rows.iter().map(|row| row[2]).collect();
     let force: Vec<_> = rows.iter().map(|row| row[3] * NEWTONS_PER_VOLT).collect();
-    let signals =
-        Signals { time_step: 1e-3, position: Some(&position), velocity: None, force: &force };
+    let signals = Signals {
+        time_step: 1e-3,
+        position: Some(&position),
+        readings: None,
+        velocity: None,
+        force: &force,
+    };
     condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap()
 }
 

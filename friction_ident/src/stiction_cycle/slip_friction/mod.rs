@@ -148,6 +148,7 @@ impl Sliding {
         let signals = Signals {
             time_step: recording.time_step,
             position: Some(recording.angle),
+            readings: None,
             velocity: None,
             force: &voltage,
         };
