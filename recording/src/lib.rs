@@ -236,8 +236,7 @@ fn all_stretches(timing: &Timing, recorded: &[f64], step: Option<f64>) -> Vec<f6
 
 /// The readings of a position on the even grid, where that is not what [`position_of`] gives.
 fn readings_of(timing: &Timing, recorded: &[f64]) -> Option<Vec<f64>> {
-    let step = friction_ident::quantiser::step_of(recorded);
-    let of = timing.stretches.iter().map(|stretch| stretch.unfiltered(recorded, step));
+    let of = timing.stretches.iter().map(|stretch| stretch.nearest(recorded));
     Some(of.collect::<Option<Vec<_>>>()?.concat())
 }
 

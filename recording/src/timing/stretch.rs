@@ -70,8 +70,7 @@ impl EvenStretch {
             if place.part == 0.0 {
                 return here;
             }
-            let between = place.part * (value(place.next) - here);
-            here + step.map_or(between, |step| (between / step).round() * step)
+            between([here, value(place.next)], place.part, step)
         };
         match &self.places {
             Places::Grid(places) => places.iter().map(read).collect(),
@@ -79,13 +78,23 @@ impl EvenStretch {
         }
     }
 
-    /// A channel as its sensor gave it, without the low-pass that bringing it to another rate needs;
-    /// none where there is no such low-pass.
+    /// The readings of a sensor that are nearest to the samples, each as it was recorded; none where
+    /// the samples were not brought to another rate.
     #[must_use]
-    pub fn unfiltered(&self, recorded: &[f64], step: Option<f64>) -> Option<Vec<f64>> {
+    pub fn nearest(&self, recorded: &[f64]) -> Option<Vec<f64>> {
         match &self.places {
             Places::Grid(_) => None,
-            Places::Resampled(uneven) => Some(uneven.unfiltered(recorded, step)),
+            Places::Resampled(uneven) => Some(uneven.nearest(recorded)),
         }
     }
+}
+
+/// What lies between two samples, a `part` of the way to the second one. Of a quantiser it keeps to
+/// the steps, and where that is one of the two samples it is that one, digit by digit: a difference
+/// of rounding would be taken for a step.
+pub(super) fn between([here, there]: [f64; 2], part: f64, step: Option<f64>) -> f64 {
+    let way = part * (there - here);
+    let Some(step) = step else { return here + way };
+    let found = here + (way / step).round() * step;
+    if (found - there).abs() < 0.5 * step { there } else { found }
 }

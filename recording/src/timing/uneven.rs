@@ -6,6 +6,7 @@
 //! [`decimate`], which ends at 0.4 of the new rate. Where
 //! the new rate itself is that dense, there is nothing to be filtered.
 
+use super::stretch::between;
 use friction_ident::zero_phase::decimate;
 
 /// A stretch of uneven samples, and where it is read.
@@ -46,34 +47,39 @@ impl Uneven {
         self.read(|node| value(self.nodes[node].0), step.filter(|_| self.factor == 1))
     }
 
-    /// The same without the low-pass: what stays the same goes on to stay the same.
-    pub fn unfiltered(&self, recorded: &[f64], step: Option<f64>) -> Vec<f64> {
-        let value = |index: usize| recorded.get(index).copied().unwrap_or_default();
-        let dense = self.between(|node| value(self.nodes[node].0), step);
-        dense.into_iter().step_by(self.factor).collect()
+    /// The readings that are nearest to the new samples, each as it was recorded: what stays the same
+    /// goes on to stay the same. A reading that is computed between two others differs from them by
+    /// the rounding of the file.
+    pub fn nearest(&self, recorded: &[f64]) -> Vec<f64> {
+        let reading = |(node, part): (usize, f64)| {
+            let (index, _) = self.nodes[if part < 0.5 { node } else { node + 1 }];
+            recorded.get(index).copied().unwrap_or_default()
+        };
+        self.places().step_by(self.factor).map(reading).collect()
     }
 
     fn read(&self, value: impl Fn(usize) -> f64, step: Option<f64>) -> Vec<f64> {
         // It was tried when this was made.
-        decimate(&self.between(value, step), self.factor).unwrap_or_default()
+        decimate(&self.dense(value, step), self.factor).unwrap_or_default()
     }
 
     /// The dense grid, along straight lines.
-    fn between(&self, value: impl Fn(usize) -> f64, step: Option<f64>) -> Vec<f64> {
+    fn dense(&self, value: impl Fn(usize) -> f64, step: Option<f64>) -> Vec<f64> {
+        let read = |(node, part)| between([value(node), value(node + 1)], part, step);
+        self.places().map(read).collect()
+    }
+
+    /// Where the points of the dense grid lie: behind which node, and how far to the next one.
+    fn places(&self) -> impl Iterator<Item = (usize, f64)> {
         let (mut node, last) = (0, self.nodes.len() - 1);
-        (0..self.points)
-            .map(|point| {
-                let now = point as f64 * self.dense;
-                while node + 1 < last && self.nodes[node + 1].1 <= now {
-                    node += 1;
-                }
-                let (from, to) = (self.nodes[node].1, self.nodes[node + 1].1);
-                let part = ((now - from) / (to - from)).clamp(0.0, 1.0);
-                let here = value(node);
-                let between = part * (value(node + 1) - here);
-                here + step.map_or(between, |step| (between / step).round() * step)
-            })
-            .collect()
+        (0..self.points).map(move |point| {
+            let now = point as f64 * self.dense;
+            while node + 1 < last && self.nodes[node + 1].1 <= now {
+                node += 1;
+            }
+            let (from, to) = (self.nodes[node].1, self.nodes[node + 1].1);
+            (node, ((now - from) / (to - from)).clamp(0.0, 1.0))
+        })
     }
 
     /// What becomes of white noise on the samples, by trying it.
