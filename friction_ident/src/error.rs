@@ -108,6 +108,14 @@ pub enum IdentError {
         /// Its standard error.
         standard_error: f64,
     },
+    /// The axis holds its place: the position goes to and fro between a few readings of its encoder.
+    #[error(
+        "the axis does not move: its position stays within {steps:.0} steps of its encoder; record a motion that goes further"
+    )]
+    HoldsStill {
+        /// Between the lowest and the highest reading, in steps.
+        steps: f64,
+    },
     /// The motion is too fast for the rate at which it was recorded, and no model explains the force.
     #[error(
         "{:.0} % of the motion is faster than the {} Hz that can be followed at {} Hz, and the best model explains only {:.0} % of the force: sample faster or move more slowly",
@@ -168,6 +176,16 @@ pub enum IdentError {
     /// A dip that lags fits no better than one that follows at once.
     #[error("the dip does not lag: one that follows the velocity at once fits as well")]
     IdleLag,
+    /// A level of friction at rest that no force of the recording comes near.
+    #[error(
+        "the friction at rest comes out at {level:.3e}, but the force of the motion is {force:.3e} at most: the recording does not show such a dip"
+    )]
+    LevelBeyond {
+        /// The level \[N or N m\].
+        level: f64,
+        /// The largest force of the motion \[N or N m\].
+        force: f64,
+    },
     /// A dip that lags has nothing to lag where the friction does not fall.
     #[error(
         "no dip lags: the friction does not fall over the first speeds (f_s over f_c is {ratio:.2})"

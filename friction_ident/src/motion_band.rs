@@ -102,16 +102,33 @@ impl Conditioning {
         }
         let periods = 1.0 / time_step / acceleration_cutoff;
         let thin = periods.round().min((samples / ROWS) as f64) as usize;
-        let trim = (TRIM * periods).round() as usize;
         Self {
             cutoff,
             acceleration_cutoff,
             decimate: thin.clamp(usual.decimate, 1000),
-            trim: trim.min(longest / ENDS).max(usual.trim),
+            trim: trim(periods, longest).max(usual.trim),
             ..usual
         }
         .spared(samples, longest)
         .between_rests(stretches)
+    }
+
+    /// The same with both cutoffs as they were given \[Hz\]: derivatives, thinning and what is left
+    /// out at the ends suit that.
+    #[must_use]
+    pub fn with_cutoff(self, time_step: f64, stretches: &[Signals], cutoff: f64) -> Self {
+        let usual = Self::for_time_step(time_step);
+        let longest = stretches.iter().map(|signals| signals.force.len()).max().unwrap_or(0);
+        // Nonsense is refused when the recording is conditioned.
+        let periods = 1.0 / time_step / cutoff;
+        Self {
+            cutoff,
+            acceleration_cutoff: cutoff,
+            decimate: periods.round().clamp(1.0, 1000.0) as usize,
+            differences: self.differences,
+            trim: trim(periods, longest).max(usual.trim.min(self.trim)),
+            ..usual
+        }
     }
 
     /// The same with fewer samples left out, where the axis moves only for short whiles between two
@@ -121,16 +138,20 @@ impl Conditioning {
         let Ok(found) = condition_stretches(&stretches, &self) else { return self };
         let moving = |decimate: usize| {
             let thinned = Conditioned { decimate, ..found.clone() };
-            thinned.moving().map_or(0, |(moving, _)| moving.velocity.len())
+            thinned
+                .moving()
+                .map_or((0, false), |(moving, rest)| (moving.velocity.len(), rest.kept > 0.0))
         };
-        let all = moving(1);
+        let (all, sticks) = moving(1);
         if all == found.velocity.len() {
             return self;
         }
         let mut decimate = self.decimate;
         while decimate > 1 {
-            let left = moving(decimate);
-            if left >= all * MOST_MOTION.0 / MOST_MOTION.1 && left >= FEWEST_ROWS * decimate {
+            let (left, sticks_too) = moving(decimate);
+            // Sticks that could be left out would be fitted as motion.
+            let enough = left >= all * MOST_MOTION.0 / MOST_MOTION.1 && sticks_too == sticks;
+            if enough && left >= FEWEST_ROWS * decimate {
                 break;
             }
             decimate = 2 * decimate / 3;
@@ -239,6 +260,12 @@ fn variance(stretches: &[Signals], of: Derivative, order: usize, cutoff: f64) ->
     }
     let variance = sum / count;
     (variance > 0.0 && variance.is_finite()).then_some(variance)
+}
+
+/// Samples that are dropped at each end of the longest stretch, where a period of the cutoff has so
+/// many.
+fn trim(periods: f64, longest: usize) -> usize {
+    ((TRIM * periods).round() as usize).min(longest / ENDS)
 }
 
 #[cfg(test)]

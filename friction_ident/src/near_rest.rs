@@ -61,9 +61,9 @@ impl std::fmt::Display for LeftNearRest {
     }
 }
 
-/// Looks for a residual that repeats near rest. `residuals` (measured less predicted) and
-/// `friction`, `velocity` and `way` since the last reversal have one value a row, in the order of
-/// time. The clearest range; none where nothing is clear of chance.
+/// Looks for a residual that repeats near rest. `residuals` (measured less predicted), `velocity` and
+/// `way` since the last reversal have one value a row, in the order of time; `friction_size` is how
+/// large friction is. The clearest range; none where nothing is clear of chance.
 #[must_use]
 pub fn left_near_rest(
     residuals: &[f64],

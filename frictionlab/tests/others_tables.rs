@@ -300,6 +300,24 @@ fn a_motion_that_cannot_be_followed_is_a_clear_no() {
     assert_eq!(identified(folder.path()), 0);
 }
 
+/// A servo that holds its place goes to and fro between readings of its encoder. Its user was told to
+/// move more slowly.
+#[test]
+fn a_servo_that_holds_its_place_does_not_move() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut text = "time [s],position [rad],torque [Nm]\n".to_owned();
+    for k in 0..4000u32 {
+        // Some reading of four, and a torque that has nothing to do with it.
+        let any = |by: u32| k.wrapping_mul(by).wrapping_mul(2_654_435_761) >> 16;
+        let (count, noise) = (any(7) % 4, f64::from(any(11) % 1000) / 1000.0 - 0.5);
+        let q = 0.3 + 0.001 * f64::from(count);
+        let _ = writeln!(text, "{:.3},{q:.4},{noise:.4}", f64::from(k) * 1e-3);
+    }
+    fs::write(folder.path().join("held.csv"), text).unwrap();
+    let said = refused(folder.path(), &["identify", "held.csv", "--out", "found"]);
+    assert!(said.contains("does not move") && said.contains("3 steps of its encoder"), "{said}");
+}
+
 /// The friction is twice as large on the recording kept back: nothing that was found holds there.
 #[test]
 fn what_fails_on_the_recording_kept_back_is_not_identified() {

@@ -28,6 +28,12 @@ impl Tally {
         Ok(())
     }
 
+    /// Says and counts that a whole part did not run, and why.
+    pub fn leave_out(&mut self, what: &str) {
+        println!("SKIPPED: {what}");
+        *self.ignored.entry(what.to_owned()).or_default() += 1;
+    }
+
     /// Adds what was counted apart.
     pub fn add(&mut self, other: Self) {
         self.passed += other.passed;

@@ -145,7 +145,7 @@ impl Test {
                 "monte_carlo_bars",
             ];
             cargo(root, &bars, &environment)?;
-            loader_under_valgrind(root, &environment)?;
+            loader_under_valgrind(root, &environment, &mut tally)?;
             middleware(root, &environment, &mut tally)?;
             secured(root, &environment, &mut tally)?;
         }
@@ -164,8 +164,8 @@ impl Test {
 /// compiled once more for it.
 fn secured(root: &Path, environment: &[(&str, &str)], tally: &mut Tally) -> anyhow::Result<()> {
     if !Path::new("/usr/include/openssl/ssl.h").exists() {
-        println!(
-            "SKIPPED: DDS Security, because OpenSSL's headers are missing (Debian: apt-get install libssl-dev)"
+        tally.leave_out(
+            "DDS Security: OpenSSL's headers are missing (Debian: apt-get install libssl-dev)",
         );
         return Ok(());
     }
@@ -201,10 +201,14 @@ fn middleware(root: &Path, environment: &[(&str, &str)], tally: &mut Tally) -> a
 
 /// The tests of the loader of foreign code, each access to memory checked. Those that kill
 /// themselves are left out: what they check is the card's watchdog.
-fn loader_under_valgrind(root: &Path, environment: &[(&str, &str)]) -> anyhow::Result<()> {
+fn loader_under_valgrind(
+    root: &Path,
+    environment: &[(&str, &str)],
+    tally: &mut Tally,
+) -> anyhow::Result<()> {
     if !Command::new("valgrind").arg("--version").output().is_ok_and(|said| said.status.success()) {
-        println!(
-            "SKIPPED: the loader's memory, because valgrind is not installed (Debian: apt-get install valgrind)"
+        tally.leave_out(
+            "the loader's memory: valgrind is not installed (Debian: apt-get install valgrind)",
         );
         return Ok(());
     }

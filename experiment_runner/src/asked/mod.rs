@@ -285,10 +285,8 @@ pub fn options(args: &RunArgs, beside: &Beside) -> anyhow::Result<RunOptions> {
     controller.compensation.volts_per_newton_metre = coupling.volts_per_newton_metre(&drive);
     let estimator =
         EstimatorOptions { drive: nominal_drive(&drive, coupling), ..Default::default() };
-    let mut models = args.model.clone();
-    models.dedup();
-    let mut means = args.means.clone();
-    means.dedup();
+    let models = once_each(&args.model);
+    let means = once_each(&args.means);
     let protocols = protocols(&args.protocol)?;
     let experiment = experiment(args, &protocols)?;
     let errors = drive_errors::fractions(&args.drive_errors)?;
@@ -503,4 +501,15 @@ pub fn given(files: &[PathBuf]) -> Result<Given, BadInput> {
         taken.map_err(|error| say(error.to_string()))?;
     }
     Ok(given)
+}
+
+/// Each of them once, in the order of the first time.
+fn once_each<T: Copy + PartialEq>(given: &[T]) -> Vec<T> {
+    let mut each = Vec::new();
+    for one in given {
+        if !each.contains(one) {
+            each.push(*one);
+        }
+    }
+    each
 }

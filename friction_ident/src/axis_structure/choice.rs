@@ -30,7 +30,8 @@ pub struct Ranked {
     /// Standard error of the excess, from the differences block by block: what all structures find
     /// hard cancels.
     pub excess_error: f64,
-    /// Whether the excess is within one standard error.
+    /// Whether it predicts as well as the best one: the excess is within chance, the best one's own
+    /// standard error and a twentieth of its error.
     pub within: bool,
 }
 
@@ -51,10 +52,10 @@ pub struct Choice {
 /// Chooses by the one-standard-error rule (Breiman, Friedman, Olshen and Stone 1984): of the
 /// structures whose excess over the best is within one standard error, the one with the fewest
 /// parameters; of equals the better one. The standard error is that of the paired difference, and
-/// at most that of the best structure's own error: an excess that is uncertain because it is large
-/// gives no leave, and nor is one that is larger than a fortieth of the best error. One below a
-/// thousandth of it always does, however certain. A structure that predicts worse than one with no
-/// more parameters is never chosen.
+/// at most that of the best structure's own error: an excess is not excused by being uncertain
+/// because it is large. One that is larger than a fortieth of the best error is not excused either;
+/// one below a thousandth of it always is, however certain. A structure that predicts worse than one
+/// with no more parameters is never chosen.
 ///
 /// Nor is one whose friction rises over speeds that the recording only passes through, unless it
 /// leaves at most three quarters of the error of all others: what looks like a rise is most often

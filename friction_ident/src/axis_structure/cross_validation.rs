@@ -161,6 +161,7 @@ pub fn cross_validate_beside(
         }
     }
     search.settled(&best)?;
+    search.possible(&best)?;
     let first_speeds = first_speeds(&structure, &best, &search);
     let whole = Whole::of(&mut search, &best)?;
     let mut squares = Vec::with_capacity(blocks);

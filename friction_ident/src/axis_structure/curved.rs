@@ -54,6 +54,7 @@ fn begun<'a>(
 ) -> Option<(Search<'a>, Best)> {
     let (structure, scale) = (fit.structure, fit.position_scale);
     let mut search = Search::with_power(recording, structure, scale, Some(power)).ok()?;
+    search.follows(&fit.shape);
     let dip = ShapeTerm::StribeckVelocity;
     let shape = match structure.stribeck {
         true => {

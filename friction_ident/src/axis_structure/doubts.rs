@@ -311,6 +311,7 @@ mod tests {
             sampled: 1e-3,
             spread: 2.5e-3,
             sticking: true,
+            stops_to_turn: false,
             step: 1e-5,
             ..super::super::tests::damped_bristle()
         };

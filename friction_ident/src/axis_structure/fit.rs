@@ -47,8 +47,9 @@ pub struct StructureFit {
     pub samples: usize,
     /// Share of the residual's samples that count as independent.
     pub effective_share: f64,
-    /// What the sliding alone says of parameters whose own interval does not hold that; nothing
-    /// before [`heed`](Self::heed).
+    /// What the sliding alone says of parameters whose own interval does not hold that, and the
+    /// `delay` below zero \[s\] by which the force comes late there, also where the structure has
+    /// none; nothing before [`heed`](Self::heed).
     pub sliding: Vec<(ParameterId, f64)>,
     /// The same of a fit whose viscous friction need not be a straight line, where the recording
     /// says clearly that it is none.
@@ -210,7 +211,7 @@ pub fn fit_validated(
     units: &AxisUnits,
 ) -> Result<StructureFit, IdentError> {
     let scale = PositionScale::of(recording);
-    let mut search = Search::new(recording, score.structure, scale)?;
+    let mut search = Search::resumed(recording, score.structure, scale, &score.shape)?;
     let best = search.from(score.shape, &[])?;
     fitted(search, best, scale, units)
 }
@@ -249,6 +250,7 @@ fn fitted(
     units: &AxisUnits,
 ) -> Result<StructureFit, IdentError> {
     search.settled(&best)?;
+    search.possible(&best)?;
     let structure = search.structure;
     let Best { solution, .. } = &best;
     let terms = ShapeTerm::of(&structure);

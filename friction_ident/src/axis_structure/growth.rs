@@ -1,7 +1,7 @@
 //! Which structures are worth comparing: a search that grows the model by one part after the other.
 //!
 //! A list made beforehand has either too many structures to fit or not the one that a machine needs:
-//! seven parts make 128. The search begins with the simplest structure and goes on from the best few
+//! nine parts make 256. The search begins with the simplest structure and goes on from the best few
 //! that it has come by, to all that have one part more (stepwise selection; Efroymson 1960), judged by
 //! the cross-validation and not by the fit. Several at once, because the part that
 //! helps most alone need not belong to those that help most together. It ends where no further part

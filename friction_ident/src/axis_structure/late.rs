@@ -7,7 +7,7 @@ use super::shape::{Late, Shape};
 use crate::IdentError;
 
 /// Share of the sum of squares that a force that was recorded late takes off at least.
-const LATE: f64 = 0.1;
+pub(super) const LATE: f64 = 0.1;
 /// Share of what a delay leaves that a low-pass takes off at least to be what made the force late.
 const LOW_PASSED: f64 = 0.01;
 

@@ -20,6 +20,10 @@ use crate::IdentError;
 use crate::conditioning::Conditioned;
 use crate::zero_phase::LANES;
 
+/// Times the largest force of the motion that a level of friction may be. Where sticks are left out,
+/// the force that made the axis start may be too.
+const FAR_BEYOND: f64 = 2.0;
+
 /// The columns that a nonlinear parameter changes, with the values they were made for.
 #[derive(Debug, Clone, Default)]
 struct Group {
@@ -272,6 +276,16 @@ impl<'a> Regressors<'a> {
         let sides = if self.structure.asymmetric { 2 } else { 1 };
         let first = self.fixed.len() + sides;
         first..first + sides
+    }
+
+    /// The largest level at rest beside the largest force of the motion \[N or N m\], where it is far
+    /// beyond that: an axis that starts has overcome its friction at rest, and a dip that is only told
+    /// by what is left of it at some speed may come out at any height.
+    pub fn level_beyond(&self, linear: &DVector<f64>) -> Option<(f64, f64)> {
+        let Levels { kinetic, rest, .. } = self.levels(linear);
+        let level = rest[0].abs().max(rest[1].abs()).max(kinetic[0].abs()).max(kinetic[1].abs());
+        let force = self.recording.force.iter().fold(0.0f64, |most, force| most.max(force.abs()));
+        (level > FAR_BEYOND * force).then_some((level, force))
     }
 
     /// `f_s` over `f_c`, of both directions together; none where no bristle lags.

@@ -48,6 +48,10 @@ impl StructureFit {
         }
         if let Some(sliding) = sliding::said(recording, own, &self.shape, scale, &self.estimates) {
             self.sliding = self.outside(&sliding);
+            if !own.delay {
+                self.sliding
+                    .extend(sliding.value("delay".into(), own).map(|late| ("delay".into(), late)));
+            }
             all.push(sliding);
         }
         self.widen(&all);

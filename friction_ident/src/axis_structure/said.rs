@@ -23,7 +23,7 @@ impl Said {
         scale: PositionScale,
     ) -> Option<Self> {
         let structure = rival.structure;
-        let mut search = Search::new(recording, structure, scale).ok()?;
+        let mut search = Search::resumed(recording, structure, scale, &rival.shape).ok()?;
         let Best { solution, shape } = search.closer(rival.shape, &[], ENOUGH).ok()?;
         let nonlinear = ShapeTerm::of(&structure).into_iter().map(|term| term.value(&shape));
         let values = solution.x.iter().copied().chain(nonlinear);

@@ -72,6 +72,37 @@ impl<'a> Search<'a> {
         Self::with_power(recording, structure, scale, None)
     }
 
+    /// One that goes on from where another ended. A force that was not recorded late there is not
+    /// late here: that has to explain clearly more (see [`late`](Self::late)).
+    pub fn resumed(
+        recording: &'a Conditioned,
+        structure: AxisStructure,
+        scale: PositionScale,
+        from: &Shape,
+    ) -> Result<Self, IdentError> {
+        let mut search = Self::new(recording, structure, scale)?;
+        search.follows(from);
+        Ok(search)
+    }
+
+    /// Whether its levels are such as the force of the recording can have overcome.
+    ///
+    /// # Errors
+    /// [`IdentError::LevelBeyond`] where they are not.
+    pub fn possible(&self, best: &Best) -> Result<(), IdentError> {
+        match self.regressors.level_beyond(&best.solution.x) {
+            Some((level, force)) => Err(IdentError::LevelBeyond { level, force }),
+            None => Ok(()),
+        }
+    }
+
+    /// Keeps the delay of a motion that followed its force at `from` from going below zero.
+    pub fn follows(&mut self, from: &Shape) {
+        if from.delay >= 0.0 {
+            self.limits.low.delay = 0.0;
+        }
+    }
+
     /// The same with [`Regressors::with_power`].
     pub fn with_power(
         recording: &'a Conditioned,

@@ -743,3 +743,22 @@ fn a_lag_that_runs_away_is_sought_from_where_the_dip_follows_at_once() {
     assert!((fit.shape.ratio / levels - 1.0).abs() < 0.05, "{} {levels}", fit.shape.ratio);
     assert!(cross_validate(&recording, lagging, 8).is_ok());
 }
+
+/// Clean moves from place to place ended in an f_s of 1e100 times the force: the column of the dip was
+/// next to nothing at the slowest sample.
+#[test]
+fn a_level_that_no_force_comes_near_is_none() {
+    let recording = three_tones(5000, |_, v, a| 0.3 * a + 0.2 * v + 2.0 * v.signum());
+    let structure: AxisStructure = "symmetric+stribeck".parse().unwrap();
+    let scale = PositionScale::of(&recording);
+    let regressors = super::regressors::Regressors::new(&recording, structure, scale).unwrap();
+    let force = recording.force.iter().fold(0.0f64, |most, force| most.max(force.abs()));
+    // Inertia, viscous friction, offset, the level in motion, and that at rest.
+    let beyond = |level: f64| {
+        let linear = nalgebra::DVector::from_vec(vec![0.3, 0.2, 0.0, 2.0, level]);
+        regressors.level_beyond(&linear).map(|(level, _)| level)
+    };
+    assert_eq!(beyond(1.5 * force), None);
+    assert_eq!(beyond(3.0 * force), Some(3.0 * force));
+    assert_eq!(beyond(1e160), Some(1e160));
+}

@@ -8,8 +8,8 @@ use crate::IdentError;
 /// Samples that the anti-alias low-pass of the thinning needs more than: three times its order.
 pub(super) const THINNING_PADDING: usize = 24;
 
-/// A conditioned recording, still at the full sampling rate; of one with gaps the stretches stand
-/// one behind the other.
+/// A conditioned recording, at the full sampling rate or [coarser](Self::coarsened); of one with gaps
+/// the stretches stand one behind the other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Conditioned {
     /// Sampling period \[s\].
@@ -40,6 +40,9 @@ pub struct Conditioned {
     pub(crate) spread: f64,
     /// Whether short sticks were left out of the motion.
     pub(crate) sticking: bool,
+    /// Whether the axis mostly stands still where it turns round, so that the motion does not show
+    /// what its contact does there; false before its rests are left out.
+    pub stops_to_turn: bool,
     /// Smallest step between two readings of the position \[m or rad\]; zero where there is none.
     pub(crate) step: f64,
     /// How near each kept sample lies to where the readings of the position show that the axis

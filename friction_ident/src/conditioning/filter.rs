@@ -105,6 +105,7 @@ pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, I
         sampled: dt,
         spread,
         sticking: false,
+        stops_to_turn: false,
         step,
         sticks: sticks[kept].to_vec(),
         acceleration_floor: velocity_floor / dt,

@@ -6,6 +6,7 @@ use super::conditioned::{Conditioned, Piece, THINNING_PADDING};
 use super::sticks::Stick;
 use crate::IdentError;
 use crate::rest::standing;
+use crate::statistics::{quantile, sorted};
 
 /// Thinned samples that motion between two rests must have to be of use, and between short sticks.
 const LEAST_ROWS: usize = 8;
@@ -17,6 +18,12 @@ const LEAST_LEFT: f64 = 0.25;
 /// Share of what is left between the sticks, as far as the low-pass spreads them, that must be left
 /// where it does not ring any more: what rings a little is better than nothing.
 const BESIDE_RINGS: f64 = 0.75;
+
+/// Share of the usual largest speed that is reached to both sides of a turn: an axis that settles
+/// behind a move turns too.
+const TURNS: f64 = 0.1;
+/// Times as long as at the usual acceleration that a turn takes at least in which an axis stops.
+const LONG: f64 = 4.0;
 
 /// For how long a recording stands still.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -80,10 +87,11 @@ impl Conditioned {
                 (motion, sticking) = (found, true);
             }
         }
+        let stops_to_turn = self.stops_to_turn();
         let left = motion.samples();
         let out = self.velocity.len() - left;
         if out == 0 || self.velocity.iter().all(|v| v.abs() <= self.velocity_floor) {
-            return Ok((self, rest));
+            return Ok((Self { stops_to_turn, ..self }, rest));
         }
         if left == 0 {
             return Err(IdentError::TooFewSamples {
@@ -104,6 +112,7 @@ impl Conditioned {
             force: of(&self.force),
             sticks: Vec::new(),
             sticking,
+            stops_to_turn,
             pieces,
             ..self
         };
@@ -129,6 +138,30 @@ impl Conditioned {
             }
         }
         all
+    }
+
+    /// Whether the axis mostly stands still where it turns round: more than twice as often as not it
+    /// takes far longer for that than at its usual acceleration.
+    fn stops_to_turn(&self) -> bool {
+        let speeds = sorted(self.velocity.iter().map(|v| v.abs()));
+        let clear = TURNS * quantile(&speeds, 0.95).unwrap_or(0.0);
+        let moves = self.velocity.iter().zip(&self.acceleration).filter(|(v, _)| v.abs() > clear);
+        let accelerations = sorted(moves.map(|(_, a)| a.abs()));
+        let usual = quantile(&accelerations, 0.9).unwrap_or(f64::INFINITY);
+        let at_once = 2.0 * clear / usual / self.time_step;
+        let (mut turns, mut stops) = (0usize, 0usize);
+        for piece in &self.pieces {
+            let velocity = self.velocity.get(piece.kept.clone()).unwrap_or_default();
+            let fast = velocity.iter().enumerate().filter(|(_, v)| v.abs() > clear);
+            let fast: Vec<(usize, f64)> = fast.map(|(k, v)| (k, v.signum())).collect();
+            for pair in fast.windows(2).filter(|pair| pair[0].1 != pair[1].1) {
+                match ((pair[1].0 - pair[0].0) as f64) < LONG * at_once {
+                    true => turns += 1,
+                    false => stops += 1,
+                }
+            }
+        }
+        2 * turns < stops
     }
 
     /// The motion between `rests` that gives at least so many rows each.

@@ -182,6 +182,13 @@ fn short_sticks_are_left_out_where_an_encoder_shows_them() {
     };
     assert_eq!(with(None).sticks, 0.0);
     assert_eq!(with(Some(&readings)).sticks, rest.sticks);
+    // Thinned as usual at this rate no motion between them is long enough; thinned less it is.
+    let short = read(0.1, 0.4);
+    assert!(moving(&short).1.kept > 0.0);
+    let signals = Signals { time_step: 1e-2, ..signals(&short, &short) };
+    let how = Conditioning::for_motion(1e-2, &[signals]);
+    let rest = condition(&signals, &how).unwrap().moving().unwrap().1;
+    assert!(rest.kept == 0.0 && rest.sticks > 3.0, "{rest:?}, {how:?}");
     // Where too little is left between them they stay in, and their time is told.
     let (found, rest) = moving(&read(0.1, 0.15));
     assert_eq!((found.pieces.len(), rest.out, rest.sticks), (1, 0.0, 0.0));
@@ -273,4 +280,27 @@ proptest! {
     ) {
         let _ = condition(&signals(&position, &position), &Conditioning { cutoff, acceleration_cutoff: 0.5 * cutoff, order, differences: Differences::SixthOrder, trim, decimate, low_pass_force: false });
     }
+}
+
+/// Moves from place to place that rest at each end do not show what happens where an axis turns
+/// round. Moves without a rest do, and a sine does.
+#[test]
+fn an_axis_that_stops_to_turn_is_known() {
+    let stops = |place: &dyn Fn(f64) -> f64| {
+        let position: Vec<f64> = (0..20_000).map(|k| place(1e-3 * f64::from(k))).collect();
+        condition(&signals(&position, &position), &HOW).unwrap().moving().unwrap().0.stops_to_turn
+    };
+    let moves = |t: f64, rest: f64| {
+        let (number, within) = ((t / (1.0 + rest)).floor(), (t % (1.0 + rest)).min(1.0));
+        // A fifth of the time to speed up, and another to slow down.
+        let way = match within {
+            begun if begun < 0.2 => 2.5 * begun * begun,
+            cruising if cruising < 0.8 => cruising - 0.1,
+            ending => 0.8 - 2.5 * (1.0 - ending).powi(2),
+        };
+        if number % 2.0 == 0.0 { way } else { 0.8 - way }
+    };
+    assert!(stops(&|t| moves(t, 0.5)));
+    assert!(!stops(&|t| moves(t, 0.0)));
+    assert!(!stops(&|t| (3.0 * t).sin()));
 }

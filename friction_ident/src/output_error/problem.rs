@@ -78,7 +78,7 @@ impl<'a> OutputError<'a> {
         bounds
     }
 
-    /// Residuals of the points and of each stretch.
+    /// How many residuals each stretch has.
     pub fn pieces(&self) -> Vec<usize> {
         let resting = |rest: &Vec<bool>| rest.iter().filter(|rest| **rest).count();
         let samples = self.data.stretches.iter().zip(&self.rest);

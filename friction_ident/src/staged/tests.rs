@@ -126,7 +126,7 @@ fn intervals_of_the_joint_stage_cover_the_truth_as_often_as_they_say() {
     let n = count as f64;
     let truth = truth(Proposed);
     let clean = experiments(&truth, 0.0, 1);
-    let (mut covered, mut squares) = ([0.0; 7], [0.0; 7]);
+    let (mut covered, mut squares, mut others) = ([0.0; 7], [0.0; 7], 0.0);
     for seed in 0..count {
         let mut rng = Pcg64Mcg::seed_from_u64(7000 + seed);
         let mut noise = || 1e-3 * rng.sample::<f64, _>(StandardNormal);
@@ -140,7 +140,7 @@ fn intervals_of_the_joint_stage_cover_the_truth_as_often_as_they_say() {
             let (estimate, value) =
                 (found.estimates.get(name).unwrap(), truth.parameter(name).unwrap());
             let interval = estimate.interval.unwrap();
-            assert_eq!(interval.method, IntervalMethod::Linearised);
+            others += f64::from(u8::from(interval.method != IntervalMethod::Linearised)) / n;
             covered[i] += f64::from(u8::from(interval.contains(value))) / n;
             squares[i] += ((estimate.value - value) / estimate.standard_error.unwrap()).powi(2) / n;
         }
@@ -149,6 +149,8 @@ fn intervals_of_the_joint_stage_cover_the_truth_as_often_as_they_say() {
         "{NAMES:?} covered {covered:?}, rms of error over standard error {:?}",
         squares.map(f64::sqrt)
     );
+    // White noise looks coloured now and then, and the interval is the robust one.
+    assert!(others < 0.05, "{others} of the seven are not linearised");
     let chance = |share: f64| 3.0 * (share * (1.0 - share) / n).sqrt();
     for (name, share) in NAMES.iter().zip(covered) {
         assert!(

@@ -1,12 +1,14 @@
 //! `frictionlab identify --joint a,b,c` or `--joint all`: one identification for each joint.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use identification::asked::IdentifyArgs;
 use serde_json::Value;
 use work::{BadInput, Interrupted};
 
 use super::identify;
+use crate::interruption;
 
 /// Identifies the joint that was named, or each of several, in a folder of its own. With `--json`
 /// several joints give a list. A joint that cannot be identified is told, and the others go on. Files
@@ -16,9 +18,15 @@ use super::identify;
 /// As [`identify::execute`]; [`BadInput`] at the end, where a joint could not be identified.
 pub fn execute(mut args: IdentifyArgs) -> anyhow::Result<()> {
     let joints = args.joints()?;
+    // A process watches for signals once. What is over within a second ends at once.
+    let cancel = if args.structure.is_some() || args.is_friction() {
+        interruption::watch(interruption::WRITING)?
+    } else {
+        Arc::default()
+    };
     if joints.len() < 2 {
         args.joint = joints.into_iter().next();
-        return identify::execute(&args);
+        return identify::execute(&args, &cancel);
     }
     let folder = args.to.reserve("identify")?;
     let (saying, quiet) = (args.saying, args.quiet);
@@ -33,7 +41,7 @@ pub fn execute(mut args: IdentifyArgs) -> anyhow::Result<()> {
         if !args.quiet {
             work::saying::print(&format!("joint {joint}\n"))?;
         }
-        match identify::execute(&args) {
+        match identify::execute(&args, &cancel) {
             Ok(()) => documents.push(document(&of_joint, joint)?),
             Err(error) if error.is::<Interrupted>() => return Err(error),
             Err(error) => {

@@ -19,8 +19,7 @@ const SAME_RATE: f64 = 0.01;
 
 /// What is to be identified, read.
 #[derive(Debug)]
-pub struct Asked<'a> {
-    args: &'a IdentifyArgs,
+pub struct Asked {
     recording: Recording,
     validation: Option<Recording>,
     settings: Settings,
@@ -28,13 +27,13 @@ pub struct Asked<'a> {
     assumed: bool,
 }
 
-impl<'a> Asked<'a> {
+impl Asked {
     /// Reads the recordings as the options say.
     ///
     /// # Errors
     /// [`BadInput`] or [`RecordingError`](recording::RecordingError) for whatever is wrong with the
     /// options or the files.
-    pub fn read(args: &'a IdentifyArgs) -> anyhow::Result<Self> {
+    pub fn read(args: &IdentifyArgs) -> anyhow::Result<Self> {
         let motor = motor(args)?;
         let Some(recording) = read(&args.files, args, &motor)? else {
             let missing = "a file is missing: give a CSV file or a bag";
@@ -62,8 +61,12 @@ impl<'a> Asked<'a> {
             structured: args.structure.is_some(),
             free_run: args.free_run,
         };
+        if args.structure.is_some() && !settings.inertia {
+            let refused = "--structure needs a driving force, but this recording's force is friction alone; with a bag add --torque-from-voltage";
+            return Err(BadInput(refused.to_owned()).into());
+        }
         let assumed = recording.axis.is_none() && args.axis.is_none();
-        Ok(Self { args, recording, validation, settings, assumed })
+        Ok(Self { recording, validation, settings, assumed })
     }
 
     /// Identifies the plain models. Structures are compared by [`compare`](Self::compare).
@@ -71,7 +74,7 @@ impl<'a> Asked<'a> {
     /// # Errors
     /// [`BadInput`] for what cannot be identified.
     pub fn identify(self) -> anyhow::Result<Found> {
-        let Self { args, recording, validation, settings, assumed } = self;
+        let Self { recording, validation, settings, assumed } = self;
         let mut found =
             axis::identify(&recording, validation.as_ref(), &settings).map_err(with_option)?;
         if assumed {
@@ -80,10 +83,6 @@ impl<'a> Asked<'a> {
                  Say --axis rotary if it turns."
                     .to_owned(),
             );
-        }
-        if args.structure.is_some() && !settings.inertia {
-            let refused = "--structure needs a driving force, but this recording's force is friction alone; with a bag add --torque-from-voltage";
-            return Err(BadInput(refused.to_owned()).into());
         }
         Ok(Found { found, structured: None, recording, validation, settings })
     }
@@ -104,6 +103,12 @@ pub struct Found {
 }
 
 impl Found {
+    /// Whether the comparison of structures was stopped; what there was by then is here.
+    #[must_use]
+    pub fn interrupted(&self) -> bool {
+        self.structured.as_ref().is_some_and(|found| found.interrupted)
+    }
+
     /// Compares structures. Once `cancel` is set it ends with what there is.
     ///
     /// # Errors

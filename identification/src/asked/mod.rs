@@ -44,17 +44,16 @@ use crate::drive::parameters::read_motor;
 ///
 /// Recordings of friction give friction models with all their parameters: a bag with
 /// /joint_states, steady points (columns velocity_rad_s and torque_Nm, no time), or any file with
-/// --model. Several recordings of a driving force are taken for one axis and fitted together. Files are cut at pauses and sorted by what they show: constant velocity,
-/// pre-sliding, velocity that varies one way, mixed motion.
+/// --model. Files are cut at pauses and sorted by what they show: constant velocity, pre-sliding,
+/// velocity that varies one way, mixed motion.
 ///
 ///   frictionlab identify steady.csv presliding.csv chirp.csv --model all \
 ///     --inertia 0.0026:0.00003 --validate other_steady.csv other_chirp.csv
 ///
 /// A driving force gives friction models too, once the inertia is known:
 ///
-///   frictionlab identify estimation.csv --force-column control_V:35.150651882485472 --model lugre
-///   \
-///     --torque-source driving --inertia 95.1:0.1 --validate validation.csv
+///   frictionlab identify estimation.csv --force-column control_V:35.150651882485472 \
+///     --model lugre --torque-source driving --inertia 95.1:0.1 --validate validation.csv
 ///
 /// Bag with --torque-from-voltage: the driving torque worked out from /rig_measurement.
 #[derive(Debug, clap::Args)]
@@ -98,9 +97,9 @@ pub struct IdentifyArgs {
     #[arg(long, value_enum, help_heading = "Columns of a table")]
     pub axis: Option<AxisKind>,
 
-    /// Cutoff of the low-pass for the motion [Hz]
-    /// [default: where the position's noise covers its motion, at most a tenth of the sampling
-    /// rate and 100].
+    /// Cutoff of the low-pass for velocity and acceleration [Hz]
+    /// [default: one for each, where the position's noise covers the motion, at most a tenth of the
+    /// sampling rate and 100, and a fifth of it where the motion is faster].
     #[arg(long, value_name = "HZ", help_heading = "Conditioning", allow_negative_numbers = true)]
     pub cutoff: Option<f64>,
 
@@ -259,13 +258,7 @@ pub fn conditioning(args: &IdentifyArgs, recording: &Recording) -> Conditioning 
     let mut suits = Conditioning::for_motion(time_step, &stretches);
     if let Some(cutoff) = args.cutoff {
         // A cutoff out of range is refused later, with the sampling rate in the message.
-        suits = Conditioning {
-            cutoff,
-            acceleration_cutoff: cutoff,
-            decimate: (1.0 / time_step / cutoff).round().clamp(1.0, 1000.0) as usize,
-            differences: suits.differences,
-            ..Conditioning::for_time_step(time_step)
-        };
+        suits = suits.with_cutoff(time_step, &stretches, cutoff);
     }
     Conditioning {
         order: args.order.unwrap_or(ORDER),

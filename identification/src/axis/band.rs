@@ -3,6 +3,7 @@
 use std::fmt;
 
 use friction_ident::motion_band::share_beyond;
+use friction_ident::quantiser::count_of;
 use friction_ident::{Conditioning, IdentError, Signals, adequacy};
 use recording::Recording;
 
@@ -62,7 +63,12 @@ pub struct TooFast {
     share: f64,
     cutoff: f64,
     rate: f64,
+    /// Over how many steps of its encoder the position goes, where those are few.
+    held: Option<f64>,
 }
+
+/// Steps of an encoder within which an axis holds its place and does not move.
+const HELD: f64 = 8.0;
 
 impl TooFast {
     /// Whether a recording's motion is.
@@ -71,21 +77,31 @@ impl TooFast {
             channels(recording).into_iter().map(|(_, signals)| signals).collect();
         let share = share_beyond(&stretches, how.order, how.cutoff)?;
         let (cutoff, rate) = (how.cutoff, 1.0 / recording.time_step);
-        (share > TOO_MUCH).then_some(Self { share, cutoff, rate })
+        let held = steps(recording).filter(|steps| *steps <= HELD);
+        (share > TOO_MUCH).then_some(Self { share, cutoff, rate, held })
     }
 
     /// The recording is of no use where the best of its models leaves so much of the force besides:
     /// relative error \[%\].
     pub(super) fn refusal(&self, relative_error: f64) -> Option<IdentError> {
-        let Self { share, cutoff, rate } = *self;
+        let Self { share, cutoff, rate, held } = *self;
         let explained = 1.0 - (0.01 * relative_error).powi(2);
-        (explained < adequacy::LEAST_EXPLAINED).then_some(IdentError::CannotFollow {
-            share,
-            cutoff,
-            rate,
-            explained,
-        })
+        let why = match held {
+            Some(steps) => IdentError::HoldsStill { steps },
+            None => IdentError::CannotFollow { share, cutoff, rate, explained },
+        };
+        (explained < adequacy::LEAST_EXPLAINED).then_some(why)
     }
+}
+
+/// Over how many steps of its encoder a position goes; none where it is no encoder's.
+fn steps(recording: &Recording) -> Option<f64> {
+    let position = recording.position.as_deref()?;
+    let step = count_of(position)?;
+    let (low, high) = position
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+    Some((high - low) / step)
 }
 
 impl fmt::Display for TooFast {

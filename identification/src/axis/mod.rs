@@ -2,8 +2,7 @@
 //! printing.
 //!
 //! [`identify`] works out everything; [`document`] is the JSON, [`page`] the HTML, [`parameters`]
-//! the ROS parameter file, [`terminal`] the text, `friction` friction models from recordings of
-//! friction, and `output` puts files on the disk all at once or not at all.
+//! the ROS parameter file, [`terminal`] the text.
 
 mod along;
 mod band;

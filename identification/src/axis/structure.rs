@@ -1,6 +1,6 @@
 //! The structure of an axis: compared by cross-validation, chosen, fitted.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::thread;
 
 use friction_ident::adequacy::FitDoubt;
@@ -87,6 +87,10 @@ pub struct Structured {
     /// Those that the choice came by and that have a part of which the recording shows no parameter,
     /// and that predict no better than chance for it.
     pub unseen: Vec<AxisStructure>,
+    /// The axis stands still where it turns round, so that no bristle was tried.
+    pub untried_bristle: bool,
+    /// The comparison was stopped; it was chosen among what there was by then.
+    pub interrupted: bool,
     /// The chosen one, fitted to the whole recording.
     pub fit: StructureFit,
     /// On the recording it was fitted to.
@@ -113,15 +117,21 @@ impl Structured {
     pub fn notes(&self) -> Vec<String> {
         let number = |(id, value): &(ParameterId, f64)| {
             let estimate = self.fit.estimates.get(*id);
-            let unit = estimate.map_or("", |estimate| estimate.unit);
+            let unit = estimate.map_or("s", |estimate| estimate.unit);
             format!("{id} {} {unit}", significant(*value, 4))
         };
         let said: Vec<String> = self.fit.sliding.iter().map(number).collect();
+        let late = self.fit.sliding.iter().any(|(id, value)| id.name == "delay" && *value < 0.0);
         let sliding = (!said.is_empty()).then(|| {
             format!(
                 "Where the axis slides, away from reversals and rest, least squares finds {}. The structure says something else, most often because \
-                 around reversals something acts that it does not have. The intervals reach to both; of steady sliding, those numbers mostly tell more.",
-                said.join(", ")
+                 around reversals something acts that it does not have. The intervals reach to both; of steady sliding, those numbers mostly tell more.{}",
+                said.join(", "),
+                if late {
+                    " A delay below zero says that the force was recorded later than the motion. What is late takes viscous friction times that delay off the inertia."
+                } else {
+                    ""
+                }
             )
         });
         let said: Vec<String> = self.fit.curved.iter().map(number).collect();
@@ -156,8 +166,21 @@ impl Structured {
             )
         };
         let below: Vec<String> = below(&self.fit).filter(new).map(said).collect();
-        sliding
+        let stopped = self.interrupted.then(|| {
+            format!(
+                "The comparison was stopped after {} structures: one that was not tried may suit the recording better.",
+                self.scores.len()
+            )
+        });
+        let untried = self.untried_bristle.then(|| {
+            "The axis stands still wherever it turns round: what its contact does there is not shown, and no bristle was tried. Motion that turns round without a \
+             rest shows it; another recording behind --validate can bear it out."
+                .to_owned()
+        });
+        stopped
             .into_iter()
+            .chain(untried)
+            .chain(sliding)
             .chain(curved)
             .chain(along)
             .chain(below)
@@ -202,14 +225,20 @@ pub fn structured(
 ) -> Result<Option<Structured>, IdentError> {
     let workers = thread::available_parallelism().map_or(1, usize::from);
     let blocks = blocks_for(estimation);
+    let untried_bristle =
+        estimation.stops_to_turn && validation.is_none() && *wanted == StructureChoice::Auto;
     let possible = |structure: &AxisStructure| {
+        // What the contact does where an axis turns round is seen where it does so in motion.
+        let unseen = structure.presliding && untried_bristle;
         let places = [Some(estimation), validation].into_iter().flatten();
-        (places.map(|recording| &recording.position).all(Option::is_some)
-            || !structure.needs_position())
+        !unseen
+            && (places.map(|recording| &recording.position).all(Option::is_some)
+                || !structure.needs_position())
             && (axis == AxisKind::Rotary || !structure.gravity)
     };
     let mut scores: Vec<CrossValidation> = Vec::new();
     let mut refused: Vec<(AxisStructure, IdentError)> = Vec::new();
+    let mut interrupted = false;
     loop {
         let known = scores.clone();
         let work = |structure: &AxisStructure| {
@@ -234,8 +263,8 @@ pub fn structured(
             Ok(())
         })?;
         if let Completion::Cancelled { .. } = completion {
-            // From here on the work is short; it is done, so that there is a result.
-            cancel.store(false, Ordering::Relaxed);
+            // The rest is short, and is done all the same, so that there is a result.
+            interrupted = true;
             progress.line(&format!("stopped: {} structures were compared", scores.len()));
             break;
         }
@@ -288,6 +317,8 @@ pub fn structured(
         refused,
         choice,
         unseen,
+        untried_bristle,
+        interrupted,
         fit,
         estimation,
         validation,
@@ -507,6 +538,47 @@ mod tests {
             ),
             "{said:?}"
         );
+    }
+
+    /// Clean moves of a rigid axis with a rest at each end were given a bristle that predicted other
+    /// motion ten times worse, without a word.
+    #[test]
+    fn no_bristle_is_tried_where_the_axis_stands_still_to_turn() {
+        let at = |t: f64| {
+            let (number, within) = ((t / 1.5).floor(), (t % 1.5).min(1.0));
+            let (place, v, a) = match within {
+                begun if begun < 0.2 => (2.5 * begun * begun, 5.0 * begun, 5.0),
+                cruising if cruising < 0.8 => (cruising - 0.1, 1.0, 0.0),
+                ending => (0.8 - 2.5 * (1.0 - ending).powi(2), 5.0 * (1.0 - ending), -5.0),
+            };
+            let moves = if within < 1.0 { 1.0 } else { 0.0 };
+            let force = moves * (0.3 * a + 0.2 * v + 1.0);
+            if number % 2.0 == 0.0 { (place, force) } else { (0.8 - place, -force) }
+        };
+        let (place, force): (Vec<f64>, Vec<f64>) =
+            (0..15_000).map(|k| at(1e-3 * f64::from(k))).unzip();
+        let signals = Signals {
+            time_step: 1e-3,
+            position: Some(&place),
+            readings: None,
+            velocity: None,
+            force: &force,
+        };
+        let recording = condition(&signals, &Conditioning::for_motion(1e-3, &[signals]));
+        let (recording, _) = recording.unwrap().moving().unwrap();
+        let found = |other: Option<&Conditioned>| {
+            let (progress, cancel) =
+                (Progress::counting(1, "structures", true), AtomicBool::new(false));
+            let (wanted, axis) = (StructureChoice::Auto, AxisKind::Linear);
+            structured(&recording, other, &wanted, axis, &progress, &cancel).unwrap().unwrap()
+        };
+        let alone = found(None);
+        assert!(alone.untried_bristle && recording.stops_to_turn);
+        assert!(alone.scores.iter().all(|score| !score.structure.presliding));
+        assert!(alone.notes().iter().any(|note| note.contains("no bristle was tried")));
+        let beside = found(Some(&recording));
+        assert!(!beside.untried_bristle);
+        assert!(beside.scores.iter().any(|score| score.structure.presliding));
     }
 
     #[test]

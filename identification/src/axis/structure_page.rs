@@ -21,8 +21,9 @@ pub fn blocks(found: &Structured, axis: AxisKind, warned: &[AxisStructure]) -> V
     let mut blocks = vec![Block::Heading(format!("The structure: {}", found.fit.structure))];
     blocks.extend(found.notes().into_iter().chain(left_out(found)).map(Block::Note));
     blocks.push(Block::Text(format!(
-        "Structures are compared by cross-validation inside the estimation recording: {} contiguous blocks, each predicted by a fit to the others. Of those whose \
-         excess over the best is within one standard error of the difference, paired block by block, the one with the fewest parameters is chosen.{}",
+        "Structures are compared by cross-validation inside the estimation recording: {} contiguous blocks, each predicted by a fit to the others. Alike are those \
+         whose excess over the best is within chance (Student's 95 % quantile of the difference, paired block by block), within the best one's own standard error and \
+         within a twentieth of its error. The one with the fewest parameters that is within a fortieth of it is chosen.{}",
         block_count(found),
         took_part(found)
     )));
@@ -301,6 +302,7 @@ pub fn document(found: &Structured) -> Value {
         "cross_test_stretches_s": found.validation.as_ref().map(Prediction::stretches),
         "warnings": found.warnings,
         "notes": found.notes(),
+        "interrupted": found.interrupted,
     })
 }
 

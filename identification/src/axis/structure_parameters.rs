@@ -6,7 +6,7 @@
 //! bristle. What is no friction (inertia, delay, offset, what depends on the position) stands in
 //! comments: it belongs to no model of the observer.
 
-use friction_ident::axis_structure::StructureFit;
+use friction_ident::axis_structure::{AxisStructure, StructureFit};
 use friction_ident::{Estimate, ParameterId, Side, Verdict};
 use friction_model::{AnyModel, AnyParameters, ModelError, ModelName};
 use friction_observer::parameters::model_parameters;
@@ -17,6 +17,7 @@ use report::numbers::{significant, value_and_error};
 use recording::AxisKind;
 
 use super::along::Along;
+use super::parameters::{level_beside, usual_speed};
 use super::structure::Structured;
 use crate::speeds;
 use crate::verdict::why;
@@ -40,7 +41,8 @@ pub fn render(
 ) -> Result<String, StructureParametersError> {
     let fit = &found.fit;
     let refused = |error: &dyn ToString| StructureParametersError(error.to_string());
-    let model = model(fit).map_err(|error| refused(&error))?;
+    let model =
+        model(fit, usual_speed(&found.estimation.velocity)).map_err(|error| refused(&error))?;
     let mut file = Writer::default();
     let version = env!("CARGO_PKG_VERSION");
     file.comment(&format!("An axis fitted by frictionlab {version} to {name}."));
@@ -68,14 +70,17 @@ pub fn render(
     Ok(file.text())
 }
 
-/// The model whose steady friction is that of the structure.
-fn model(fit: &StructureFit) -> Result<AnyModel, ModelError> {
+/// The model whose steady friction is that of the structure, at the usual `speed` also where viscous
+/// friction is below zero.
+fn model(fit: &StructureFit, speed: f64) -> Result<AnyModel, ModelError> {
     let sides: Vec<[f64; 3]> = Side::of(fit.structure.asymmetric)
         .iter()
         .map(|&side| {
             let value = |name| fit.estimates.value(ParameterId::new(name).side(side));
-            let f_c = value("f_c").unwrap_or(0.0);
-            [value("f_s").unwrap_or(f_c), f_c, value("f_v").unwrap_or(0.0).max(0.0)]
+            let f_v = value("f_v").unwrap_or(0.0);
+            let level = |level| level_beside(level, f_v, speed);
+            let f_c = level(value("f_c").unwrap_or(0.0));
+            [value("f_s").map_or(f_c, level), f_c, f_v.max(0.0)]
         })
         .collect();
     // What has no Coulomb friction in one direction has no model with any in it.
@@ -130,13 +135,27 @@ fn notes(fit: &StructureFit) -> Vec<String> {
         notes.extend(below_zero(fit, f_v));
     }
     notes.extend(below_zero(fit, "sigma1".into()));
+    let AxisStructure { stribeck, presliding, lag, .. } = fit.structure;
+    if stribeck && presliding && !lag {
+        notes.push(
+            "The dip of the structure follows the velocity at once. That of LuGre, as which it is written, lags as far as the bristle bends."
+                .to_owned(),
+        );
+    }
     notes
 }
 
 /// What is said of a part of friction that came out as a drive.
 fn below_zero(fit: &StructureFit, id: ParameterId) -> Option<String> {
     let below = fit.estimates.value(id).is_some_and(|value| value < 0.0);
-    below.then(|| format!("{id} came out below zero, which friction cannot be: 0 is written."))
+    let level = if id.name == "f_v" {
+        " f_c is such that friction at the usual speed stays what it is."
+    } else {
+        ""
+    };
+    below.then(|| {
+        format!("{id} came out below zero, which friction cannot be: 0 is written.{level}")
+    })
 }
 
 /// Where a value comes from; `path` is its place in the file.
