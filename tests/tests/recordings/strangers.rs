@@ -1,6 +1,6 @@
 //! `cargo xtask strangers --real` on one small recording, and `--mujoco` on two axes: the command runs,
 //! both halves tell the same, and what MuJoCo moves is judged. What comes of all of them stands in
-//! `docs/explanation/identification.md`.
+//! `docs/explanation/strangers.md`.
 
 use std::path::Path;
 
