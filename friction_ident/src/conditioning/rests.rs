@@ -22,8 +22,9 @@ const BESIDE_RINGS: f64 = 0.75;
 /// Share of the usual largest speed that is reached to both sides of a turn: an axis that settles
 /// behind a move turns too.
 const TURNS: f64 = 0.1;
-/// Times as long as at the usual acceleration that a turn takes at least in which an axis stops.
-const LONG: f64 = 4.0;
+/// Times as long as at the usual acceleration that a turn takes at least in which an axis stops. Axes
+/// that reverse in motion take 1 to 2.5 times as long, moves with the shortest of rests 3.9 times.
+const LONG: f64 = 3.0;
 
 /// For how long a recording stands still.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -87,7 +87,8 @@ pub struct Structured {
     /// Those that the choice came by and that have a part of which the recording shows no parameter,
     /// and that predict no better than chance for it.
     pub unseen: Vec<AxisStructure>,
-    /// The axis stands still where it turns round, so that no bristle was tried.
+    /// The axis stands still where it turns round, so that no bristle was tried, nor a dip at speeds
+    /// that it only passes through.
     pub untried_bristle: bool,
     /// The comparison was stopped; it was chosen among what there was by then.
     pub interrupted: bool,
@@ -173,8 +174,8 @@ impl Structured {
             )
         });
         let untried = self.untried_bristle.then(|| {
-            "The axis stands still wherever it turns round: what its contact does there is not shown, and no bristle was tried. Motion that turns round without a \
-             rest shows it; another recording behind --validate can bear it out."
+            "The axis stands still wherever it turns round: what its contact does there is not shown, and no bristle was tried, nor a dip at speeds that it only \
+             passes through. Motion that turns round without a rest and slow motion show them; another recording behind --validate can bear them out."
                 .to_owned()
         });
         stopped
@@ -206,6 +207,17 @@ pub fn units(axis: AxisKind) -> &'static AxisUnits {
         AxisKind::Linear => &AxisUnits::LINEAR,
         AxisKind::Rotary => &AxisUnits::ROTARY,
     }
+}
+
+/// Share of the motion that must be slower than the Stribeck velocity of a dip, where the axis stands
+/// still to turn round.
+const SLOW: f64 = 0.1;
+
+/// Why a dip is none, where next to nothing of the motion is as slow as it.
+fn dip_of_starts(score: &CrossValidation, recording: &Conditioned) -> Option<IdentError> {
+    let slow = recording.velocity.iter().filter(|v| v.abs() < score.shape.v_s).count();
+    let share = slow as f64 / recording.velocity.len() as f64;
+    (score.structure.stribeck && share < SLOW).then_some(IdentError::DipOfStarts { share })
 }
 
 /// Compares the structures on all cores, chooses one, fits it, and tries it on `validation`, which
@@ -254,7 +266,10 @@ pub fn structured(
             progress.stage(format!("{structure}"));
             progress.advance(1.0);
             match score {
-                Ok(score) => scores.push(score),
+                Ok(score) => match dip_of_starts(&score, estimation).filter(|_| untried_bristle) {
+                    Some(error) => refused.push((*structure, error)),
+                    None => scores.push(score),
+                },
                 Err(error) if scores.is_empty() || *wanted != StructureChoice::Auto => {
                     return Err(error);
                 }
