@@ -282,8 +282,11 @@ impl<'a> Regressors<'a> {
     /// beyond that: an axis that starts has overcome its friction at rest, and a dip that is only told
     /// by what is left of it at some speed may come out at any height.
     pub fn level_beyond(&self, linear: &DVector<f64>) -> Option<(f64, f64)> {
-        let Levels { kinetic, rest, .. } = self.levels(linear);
-        let level = rest[0].abs().max(rest[1].abs()).max(kinetic[0].abs()).max(kinetic[1].abs());
+        if !self.structure.stribeck {
+            return None;
+        }
+        let Levels { rest, .. } = self.levels(linear);
+        let level = rest[0].abs().max(rest[1].abs());
         let force = self.recording.force.iter().fold(0.0f64, |most, force| most.max(force.abs()));
         (level > FAR_BEYOND * force).then_some((level, force))
     }

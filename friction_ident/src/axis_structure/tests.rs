@@ -762,3 +762,15 @@ fn a_level_that_no_force_comes_near_is_none() {
     assert_eq!(beyond(3.0 * force), Some(3.0 * force));
     assert_eq!(beyond(1e160), Some(1e160));
 }
+
+/// Of a motion of one speed the level and viscous friction cancel, and both may come out at any size.
+/// That is told in other ways: it was refused, where gravity and friction at that speed are good.
+#[test]
+fn a_level_in_motion_may_be_far_beyond_the_force() {
+    let recording = three_tones(5000, |_, v, a| 0.3 * a + 0.2 * v + 2.0 * v.signum());
+    let scale = PositionScale::of(&recording);
+    let structure = AxisStructure::SYMMETRIC;
+    let regressors = super::regressors::Regressors::new(&recording, structure, scale).unwrap();
+    let linear = nalgebra::DVector::from_vec(vec![0.3, -50.0, 0.0, 100.0]);
+    assert_eq!(regressors.level_beyond(&linear), None);
+}
