@@ -8,6 +8,7 @@
 //! derivatives and initial states never reach across a cut. Everything is counted
 //! ([`Irregularities`]).
 
+mod between;
 mod cuts;
 mod even_grid;
 mod even_step;

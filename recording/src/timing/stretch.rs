@@ -1,5 +1,6 @@
 //! A stretch of a recording on an even grid of times.
 
+use super::between::between;
 use super::uneven::Uneven;
 
 /// Where a sample on the even grid is read.
@@ -87,14 +88,4 @@ impl EvenStretch {
             Places::Resampled(uneven) => Some(uneven.nearest(recorded)),
         }
     }
-}
-
-/// What lies between two samples, a `part` of the way to the second one. Of a quantiser it keeps to
-/// the steps, and where that is one of the two samples it is that one, digit by digit: a difference
-/// of rounding would be taken for a step.
-pub(super) fn between([here, there]: [f64; 2], part: f64, step: Option<f64>) -> f64 {
-    let way = part * (there - here);
-    let Some(step) = step else { return here + way };
-    let found = here + (way / step).round() * step;
-    if (found - there).abs() < 0.5 * step { there } else { found }
 }

@@ -6,7 +6,7 @@
 //! [`decimate`], which ends at 0.4 of the new rate. Where
 //! the new rate itself is that dense, there is nothing to be filtered.
 
-use super::stretch::between;
+use super::between::between;
 use friction_ident::zero_phase::decimate;
 
 /// A stretch of uneven samples, and where it is read.
