@@ -144,21 +144,25 @@ impl Conditioned {
     /// Whether the axis mostly stands still where it turns round: more than twice as often as not it
     /// takes far longer for that than at its usual acceleration.
     fn stops_to_turn(&self) -> bool {
-        let speeds = sorted(self.velocity.iter().map(|v| v.abs()));
+        let motion = self.velocity.iter().zip(&self.acceleration).step_by(self.stride);
+        let speeds = sorted(motion.clone().map(|(v, _)| v.abs()));
         let clear = TURNS * quantile(&speeds, 0.95).unwrap_or(0.0);
-        let moves = self.velocity.iter().zip(&self.acceleration).filter(|(v, _)| v.abs() > clear);
+        let moves = motion.filter(|(v, _)| v.abs() > clear);
         let accelerations = sorted(moves.map(|(_, a)| a.abs()));
         let usual = quantile(&accelerations, 0.9).unwrap_or(f64::INFINITY);
-        let at_once = 2.0 * clear / usual / self.time_step;
+        // Both ends of a turn lie up to a sample away from where its speed is clear.
+        let at_once = LONG * 2.0 * clear / usual / self.time_step + 2.0;
         let (mut turns, mut stops) = (0usize, 0usize);
         for piece in &self.pieces {
             let velocity = self.velocity.get(piece.kept.clone()).unwrap_or_default();
-            let fast = velocity.iter().enumerate().filter(|(_, v)| v.abs() > clear);
-            let fast: Vec<(usize, f64)> = fast.map(|(k, v)| (k, v.signum())).collect();
-            for pair in fast.windows(2).filter(|pair| pair[0].1 != pair[1].1) {
-                match ((pair[1].0 - pair[0].0) as f64) < LONG * at_once {
-                    true => turns += 1,
-                    false => stops += 1,
+            let mut last: Option<(usize, f64)> = None;
+            for (k, v) in velocity.iter().enumerate().filter(|(_, v)| v.abs() > clear) {
+                let before = last.replace((k, *v)).filter(|(_, before)| before * v < 0.0);
+                if let Some((since, _)) = before {
+                    match ((k - since) as f64) < at_once {
+                        true => turns += 1,
+                        false => stops += 1,
+                    }
                 }
             }
         }

@@ -303,4 +303,7 @@ fn an_axis_that_stops_to_turn_is_known() {
     assert!(stops(&|t| moves(t, 0.5)));
     assert!(!stops(&|t| moves(t, 0.0)));
     assert!(!stops(&|t| (3.0 * t).sin()));
+    // So fast that it is slow for a third of a sample only, beside a slow one.
+    assert!(!stops(&|t| 1e-3 * (500.0 * t).sin()));
+    assert!(!stops(&|t| 0.1 * (3.0 * t).sin() + 1e-3 * (500.0 * t).sin()));
 }

@@ -74,7 +74,12 @@ pub fn render(found: &Identification, name: &str) -> String {
     };
     if coulomb > 0.0 {
         say("f_s", coulomb, "a copy of f_c: no Stribeck dip in this model, and v_s has no effect");
-        say("f_c", coulomb, &origin(AxisTerm::Coulomb));
+        let less = if fit.value(AxisTerm::Viscous) < 0.0 {
+            "; less what viscous friction below zero takes off at the usual speed"
+        } else {
+            ""
+        };
+        say("f_c", coulomb, &format!("{}{less}", origin(AxisTerm::Coulomb)));
         say("v_s", NO_DIP_V_S, "not identified, without effect");
         say("delta", 2.0, "not identified, without effect");
     }

@@ -186,6 +186,9 @@ fn origin(fit: &StructureFit, path: &str) -> String {
         ("f_v" | "sigma1", Some(estimate)) if estimate.value < 0.0 => {
             format!("0 in place of {}, which is below zero", significant(estimate.value, 3))
         }
+        ("f_s" | "f_c", Some(own)) if estimate("f_v").is_some_and(|f_v| f_v.value < 0.0) => {
+            format!("{}; less what f_v below zero takes off at the usual speed", said(own))
+        }
         (_, Some(estimate)) => said(estimate),
         ("f_s", None) => "a copy of f_c: no Stribeck dip in this structure".to_owned(),
         ("v_s", None) => "no Stribeck dip in this structure: without effect".to_owned(),
