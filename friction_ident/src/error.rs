@@ -175,13 +175,9 @@ pub enum IdentError {
     },
     /// A dip of which an axis that stops to turn shows no more than how its moves begin and end.
     #[error(
-        "the dip lies at speeds at which {:.1} % of the motion is: where the axis stands still to turn round, that is how its moves begin and end; record slow motion",
-        100.0 * share
+        "the dip lies at speeds that the axis only passes through: where it stands still to turn round, that is how its moves begin and end; record slow motion"
     )]
-    DipOfStarts {
-        /// Share of the motion that is slower than the Stribeck velocity.
-        share: f64,
-    },
+    DipOfStarts,
     /// A dip that lags fits no better than one that follows at once.
     #[error("the dip does not lag: one that follows the velocity at once fits as well")]
     IdleLag,

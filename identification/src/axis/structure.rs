@@ -217,7 +217,7 @@ const SLOW: f64 = 0.1;
 fn dip_of_starts(score: &CrossValidation, recording: &Conditioned) -> Option<IdentError> {
     let slow = recording.velocity.iter().filter(|v| v.abs() < score.shape.v_s).count();
     let share = slow as f64 / recording.velocity.len() as f64;
-    (score.structure.stribeck && share < SLOW).then_some(IdentError::DipOfStarts { share })
+    (score.structure.stribeck && share < SLOW).then_some(IdentError::DipOfStarts)
 }
 
 /// Compares the structures on all cores, chooses one, fits it, and tries it on `validation`, which

@@ -48,16 +48,23 @@ pub fn blocks(found: &Structured, axis: AxisKind, warned: &[AxisStructure]) -> V
     blocks
 }
 
-/// The structures that the recording cannot show.
+/// The structures that the recording cannot show, those with the same reason together.
 fn left_out(found: &Structured) -> Option<String> {
-    let one = |(structure, why): &(AxisStructure, IdentError)| match why {
-        // What to do about it is for who has no other structure.
-        IdentError::NegativeInertia { .. } => {
-            format!("{structure} (its inertia comes out negative)")
+    let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
+    for (structure, why) in &found.refused {
+        let why = match why {
+            // What to do about it is for who has no other structure.
+            IdentError::NegativeInertia { .. } => "its inertia comes out negative".to_owned(),
+            why => why.to_string(),
+        };
+        match reasons.iter_mut().find(|(reason, _)| *reason == why) {
+            Some((_, structures)) => structures.push(structure.to_string()),
+            None => reasons.push((why, vec![structure.to_string()])),
         }
-        why => format!("{structure} ({why})"),
-    };
-    let all: Vec<String> = found.refused.iter().map(one).collect();
+    }
+    let one =
+        |(why, structures): &(String, Vec<String>)| format!("{} ({why})", structures.join(", "));
+    let all: Vec<String> = reasons.iter().map(one).collect();
     (!all.is_empty()).then(|| format!("Structures that were left out: {}.", all.join("; ")))
 }
 
